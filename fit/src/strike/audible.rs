@@ -1,5 +1,6 @@
 //! Choice of modes by the loudness that they explain.
 
+use super::near::are_one;
 use crate::hearing::{HOP_S, Loudness, specific_loudness};
 use crate::modes::DampedSine;
 
@@ -11,7 +12,8 @@ const LEAST_SHARE: f64 = 1e-4;
 const CROWDING: f64 = 2.0;
 
 /// Loudness of a strike at some times, and the excitation of the modes chosen so far.
-struct Compared {
+pub(super) struct Chosen {
+    modes: Vec<DampedSine>,
     times: Vec<(usize, f64)>,
     /// Wanted loudness by band and time.
     wanted: Vec<Vec<f64>>,
@@ -19,52 +21,68 @@ struct Compared {
     given: Vec<Vec<f64>>,
 }
 
-/// Modes that explain most loudness, at most `most`, the best first.
-///
-/// One after the other is taken: that which brings the loudness of those already taken nearest to
-/// the recording's, in all bands and at all times. A mode that explains less than a ten-thousandth
-/// of the strike's loudness is not taken.
-pub(super) fn choose(candidates: &[DampedSine], loudness: &Loudness, most: usize) -> Vec<DampedSine> {
-    let mut compared = Compared::new(loudness);
-    let least = LEAST_SHARE * compared.total();
-    let responses: Vec<Vec<(usize, f64)>> =
-        candidates.iter().map(|mode| loudness.of_sine(mode.frequency_hz)).collect();
-    let mut gains: Vec<f64> =
-        candidates.iter().zip(&responses).map(|(mode, response)| compared.gain(mode, response)).collect();
-    let mut is_free = vec![true; candidates.len()];
-    let mut chosen = Vec::new();
-    while chosen.len() < most {
-        let best = (0..candidates.len()).filter(|&index| is_free[index]).max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
-        let Some(best) = best.filter(|&best| gains[best] > least) else { break };
-        is_free[best] = false;
-        compared.take(&candidates[best], &responses[best]);
-        chosen.push(candidates[best]);
-        let touched: Vec<usize> = responses[best].iter().map(|(band, _)| *band).collect();
-        for index in (0..candidates.len()).filter(|&index| is_free[index]) {
-            if responses[index].iter().any(|(band, _)| touched.contains(band)) {
-                gains[index] = compared.gain(&candidates[index], &responses[index]);
-            }
-        }
+impl Chosen {
+    /// No modes yet.
+    pub(super) fn none(loudness: &Loudness) -> Self {
+        Self::of_excitation(loudness.excitation(), loudness.background())
     }
-    chosen
-}
 
-impl Compared {
-    fn new(loudness: &Loudness) -> Self {
-        let excitation = loudness.excitation();
+    fn of_excitation(excitation: &[Vec<f64>], background: &[f64]) -> Self {
         let frames = excitation.first().map_or(0, Vec::len);
         let place = |index: usize| ((index as f64 / TIMES as f64).powf(CROWDING) * frames as f64) as usize;
         let mut starts: Vec<usize> = (0..=TIMES).map(place).collect();
         starts.dedup();
         let times: Vec<(usize, f64)> =
             starts.windows(2).map(|pair| (usize::midpoint(pair[0], pair[1]), (pair[1] - pair[0]) as f64)).collect();
-        let wanted = excitation.iter().zip(loudness.background()).map(|(band, background)| {
-            let at = |&(frame, _): &(usize, f64)| specific_loudness((band[frame] - background).max(0.0));
-            times.iter().map(at).collect()
+        let wanted = excitation.iter().zip(background).map(|(band, background)| {
+            let loudness = |&(frame, _): &(usize, f64)| specific_loudness((band[frame] - background).max(0.0));
+            times.iter().map(loudness).collect()
         });
         let wanted: Vec<Vec<f64>> = wanted.collect();
         let given = vec![vec![0.0; times.len()]; wanted.len()];
-        Self { times, wanted, given }
+        Self { modes: Vec::new(), times, wanted, given }
+    }
+
+    /// Modes that were taken, and the excitation of what they leave.
+    pub(super) fn of_rest(modes: Vec<DampedSine>, rest: &[Vec<f64>]) -> Self {
+        let background = vec![0.0; rest.len()];
+        Self { modes, ..Self::of_excitation(rest, &background) }
+    }
+
+    /// Modes that were taken, the best first.
+    pub(super) fn modes(&self) -> &[DampedSine] {
+        &self.modes
+    }
+
+    /// Takes the candidates that explain most loudness, until there are `most` modes.
+    ///
+    /// One after the other is taken: that which brings the loudness of those already taken nearest
+    /// to the recording's, in all bands and at all times. A mode that explains less than a
+    /// ten-thousandth of the strike's loudness is not taken. Returns the candidates that are left.
+    pub(super) fn take_from(&mut self, candidates: &[DampedSine], loudness: &Loudness, most: usize) -> Vec<DampedSine> {
+        let least = LEAST_SHARE * self.total();
+        let responses: Vec<Vec<(usize, f64)>> =
+            candidates.iter().map(|mode| loudness.of_sine(mode.frequency_hz)).collect();
+        let mut gains: Vec<f64> =
+            candidates.iter().zip(&responses).map(|(mode, response)| self.gain(mode, response)).collect();
+        let mut is_free = vec![true; candidates.len()];
+        while self.modes.len() < most {
+            let free = (0..candidates.len()).filter(|&index| is_free[index]);
+            let best = free.max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
+            let Some(best) = best.filter(|&best| gains[best] > least) else { break };
+            is_free[best] = false;
+            if self.modes.iter().any(|mode| are_one(mode, &candidates[best])) {
+                continue;
+            }
+            self.take(&candidates[best], &responses[best]);
+            let touched: Vec<usize> = responses[best].iter().map(|(band, _)| *band).collect();
+            for index in (0..candidates.len()).filter(|&index| is_free[index]) {
+                if responses[index].iter().any(|(band, _)| touched.contains(band)) {
+                    gains[index] = self.gain(&candidates[index], &responses[index]);
+                }
+            }
+        }
+        candidates.iter().zip(&is_free).filter(|(_, is_free)| **is_free).map(|(mode, _)| *mode).collect()
     }
 
     fn total(&self) -> f64 {
@@ -97,6 +115,7 @@ impl Compared {
                 self.given[band][index] += power * share;
             }
         }
+        self.modes.push(*mode);
     }
 }
 
@@ -114,7 +133,9 @@ mod tests {
         let mut sound = vec![0.0; 44_100];
         modes.iter().for_each(|mode| mode.add_to(&mut sound, 44_100.0));
         let loudness = Loudness::new(&sound, &[], 44_100.0);
-        let chosen: Vec<f64> = choose(&modes, &loudness, 2).iter().map(|mode| mode.frequency_hz).collect();
+        let mut chosen = Chosen::none(&loudness);
+        chosen.take_from(&modes, &loudness, 2);
+        let chosen: Vec<f64> = chosen.modes().iter().map(|mode| mode.frequency_hz).collect();
         assert!(chosen.contains(&330.0) && chosen.iter().any(|hz| (hz - 4_000.0).abs() < 5.0), "{chosen:?}");
     }
 }

@@ -3,12 +3,11 @@
 use nalgebra::Complex;
 
 use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
-use super::near::Heard;
+use super::near::{Heard, Near};
 use crate::bins;
 use crate::contact::{contact_time_s, force};
 use crate::distance::{log_spectral_distance_db, lsd_window};
 use crate::error::FitError;
-use crate::joint::Sounding;
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
 
@@ -44,9 +43,15 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
     }
     if let (true, Some(hit), Some(force)) = (settings.polish && std::env::var_os("BEFORE").is_none(), hits.get(loudest), forces.get(loudest)) {
         let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
-        let near = Heard { samples, onset: hit.onset, end, rate_hz, force };
-        if let Some(sounding) = near.near(settings.modes) {
-            return Ok(of_sounding(sounding, &heard, &forces, hits, &contacts_s, loudest, rate_hz));
+        let near = Heard { samples, onset: hit.onset, end, last: hit.end, rate_hz, force };
+        if let Some(near) = near.near(settings.modes) {
+            let (poles, gains, noise) = match near {
+                Near::Exact((poles, gains)) => (poles, gains, Vec::new()),
+                Near::Approached(sounding) => (sounding.poles, sounding.gains, sounding.bands),
+            };
+            let model = with_loudest(poles, gains, &groups(&heard, &forces), loudest);
+            let fit = described(&model, &groups(&heard, &forces), hits, &contacts_s, loudest, rate_hz);
+            return Ok(Fit { noise, ..fit });
         }
     }
     let behind = forces.get(loudest).map_or(0, Vec::len);
@@ -72,18 +77,8 @@ fn groups<'a>(heard: &[&'a [f64]], forces: &'a [Vec<f64>]) -> Vec<Group<'a>> {
     heard.iter().zip(forces).map(group).collect()
 }
 
-/// Describes the loudest strike as the descent left it; the gains of the others are solved for.
-fn of_sounding(
-    sounding: Sounding,
-    heard: &[&[f64]],
-    forces: &[Vec<f64>],
-    hits: &[Hit],
-    contacts_s: &[f64],
-    loudest: usize,
-    rate_hz: f64,
-) -> Fit {
-    let Sounding { poles, gains, bands } = sounding;
-    let groups = groups(heard, forces);
+/// A model with the given gains of the loudest strike; the gains of the others are solved for.
+fn with_loudest(poles: Vec<Pole>, gains: Gains, groups: &[Group<'_>], loudest: usize) -> Model {
     let none = || Gains { modes: vec![Complex::new(0.0, 0.0); poles.len()], force: 0.0 };
     let every = groups.iter().enumerate().map(|(index, group)| {
         if index == loudest {
@@ -92,8 +87,7 @@ fn of_sounding(
         let solved = refine(std::slice::from_ref(group), &poles, Ending { steps: 0, ..Ending::COARSE });
         solved.and_then(|model| model.gains.into_iter().next()).unwrap_or_else(none)
     });
-    let model = Model { gains: every.collect(), worth: vec![0.0; poles.len()], poles };
-    Fit { noise: bands, ..described(&model, &groups, hits, contacts_s, loudest, rate_hz) }
+    Model { gains: every.collect(), worth: vec![0.0; poles.len()], poles }
 }
 
 fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
