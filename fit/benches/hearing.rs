@@ -68,21 +68,24 @@ fn main() {
             }
         }
         let median = |value: &dyn Fn(&Row) -> f64| quantile(&good.iter().map(value).collect::<Vec<_>>(), 0.5);
-        println!("{}", line(&Row {
-            name: "median".to_owned(),
-            modes: median(&|row| row.modes as f64) as usize,
-            scores: Scores {
-                lsd_db: median(&|row| row.scores.lsd_db),
-                erb_db: median(&|row| row.scores.erb_db),
-                early_erb_db: median(&|row| row.scores.early_erb_db),
-                loudness_error: median(&|row| row.scores.loudness_error),
-                early_loudness_error: median(&|row| row.scores.early_loudness_error),
-                partials: median(&|row| row.scores.partials),
-            },
-            peak_db: median(&|row| row.peak_db),
-            attack_db: median(&|row| row.attack_db),
-            seconds: median(&|row| row.seconds),
-        }));
+        println!(
+            "{}",
+            line(&Row {
+                name: "median".to_owned(),
+                modes: median(&|row| row.modes as f64) as usize,
+                scores: Scores {
+                    lsd_db: median(&|row| row.scores.lsd_db),
+                    erb_db: median(&|row| row.scores.erb_db),
+                    early_erb_db: median(&|row| row.scores.early_erb_db),
+                    loudness_error: median(&|row| row.scores.loudness_error),
+                    early_loudness_error: median(&|row| row.scores.early_loudness_error),
+                    partials: median(&|row| row.scores.partials),
+                },
+                peak_db: median(&|row| row.peak_db),
+                attack_db: median(&|row| row.attack_db),
+                seconds: median(&|row| row.seconds),
+            })
+        );
         let share = |is: &dyn Fn(&Row) -> bool| good.iter().filter(|row| is(row)).count();
         println!(
             "{} of {} peak at most 3 dB above their recording; the attack of {} is within 3 dB; longest fit {:.1} s\n",

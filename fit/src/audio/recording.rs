@@ -73,7 +73,10 @@ impl fmt::Display for Note {
                 write!(f, " s")
             }
             Self::NoOnset { at_s } => {
-                write!(f, "no rise of 12 dB is heard: the strike is taken to begin where the sound does, at {at_s:.3} s")
+                write!(
+                    f,
+                    "no rise of 12 dB is heard: the strike is taken to begin where the sound does, at {at_s:.3} s"
+                )
             }
             Self::StartsRinging => write!(f, "the recording begins with the strike: its attack may be missing"),
         }

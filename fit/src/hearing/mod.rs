@@ -27,6 +27,7 @@ pub use partials::{Partial, Partials};
 const LONGEST_S: f64 = 4.0;
 
 /// A recorded strike and what is needed to compare renderings with it.
+#[derive(Clone, Debug)]
 pub struct Heard {
     strike: Vec<f64>,
     rate_hz: f64,

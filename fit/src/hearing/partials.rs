@@ -96,6 +96,11 @@ impl Partials {
         })
     }
 
+    /// Distance of two bins in Hz.
+    pub fn bin_hz(&self) -> f64 {
+        self.rate_hz / SIZE as f64
+    }
+
     /// Error of a rendering's level at each partial in dB, in the order of [`Self::all`].
     pub fn errors_db(&self, rendering: &[f64]) -> Vec<f64> {
         let mut errors = Vec::new();

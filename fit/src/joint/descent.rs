@@ -97,6 +97,9 @@ impl Descent {
         for (step, age) in (0..steps).zip(1..) {
             let modes = as_modes(&now);
             let slope = self.objective.slope(&modes, now.gains.force, &now.bands);
+            if !slope.distance.is_finite() {
+                break;
+            }
             if slope.distance < best.1 {
                 best = (now.clone(), slope.distance);
             }
@@ -136,9 +139,6 @@ impl Descent {
                 band.weight *= (0.5 * more).exp();
                 band.decay_db_per_s =
                     (band.decay_db_per_s * faster.exp()).clamp(DECAYS_DB_PER_S[0], DECAYS_DB_PER_S[1]);
-            }
-            if std::env::var_os("DESCENT").is_some() && step % 20 == 0 {
-                eprintln!("{step}: {:.3}", slope.distance);
             }
         }
         best

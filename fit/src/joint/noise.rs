@@ -52,7 +52,8 @@ impl NoiseGrid {
             let by_band = places.windows(2).map(|place| {
                 let power: Vec<f32> = (0..bins)
                     .map(|bin| {
-                        let share = sum_below(&kernel, bin as f64 - place[0]) - sum_below(&kernel, bin as f64 - place[1]);
+                        let share =
+                            sum_below(&kernel, bin as f64 - place[0]) - sum_below(&kernel, bin as f64 - place[1]);
                         (full(place) * share) as f32
                     })
                     .collect();

@@ -9,7 +9,7 @@ use crate::residual::Band;
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
-const LSD_WEIGHT: f64 = 0.8;
+const LSD_WEIGHT: f64 = 1.0;
 /// Weights of the ERB distance: of the whole strike, and of its first 0.25 s.
 const ERB_WEIGHT: f64 = 1.0;
 const EARLY_ERB_WEIGHT: f64 = 0.5;
@@ -109,12 +109,7 @@ impl Objective {
     /// The distance of modes `(ln z, gain)` with the noise of `bands`, and its derivatives.
     ///
     /// Derivatives of a band are by its power at the strike and by its decay in dB/s.
-    pub(super) fn slope(
-        &mut self,
-        modes: &[(Complex<f64>, Complex<f64>)],
-        force_gain: f64,
-        noise: &[Band],
-    ) -> Slope {
+    pub(super) fn slope(&mut self, modes: &[(Complex<f64>, Complex<f64>)], force_gain: f64, noise: &[Band]) -> Slope {
         let responses: Vec<Response> = modes.iter().map(|mode| Response::new(mode.0, &self.force)).collect();
         let gains: Vec<Complex<f64>> = modes.iter().map(|mode| mode.1).collect();
         let mut total = Slope {
@@ -123,9 +118,7 @@ impl Objective {
             force_gain: 0.0,
             bands: vec![BandSlope::default(); noise.len()],
         };
-        let mut last = 0.0;
         for part in &mut self.parts {
-            if std::env::var_os("PARTS").is_some() { eprint!(" {:.2}", total.distance - last); last = total.distance; }
             part.add(&responses, &gains, force_gain, noise, &mut total);
         }
         total
@@ -198,7 +191,13 @@ impl Part {
     /// Wanted loudness of all frames, each as often as it stands for.
     fn whole_loudness(&self) -> f32 {
         let frames = self.grid.wanted_loudness.chunks(self.grid.cell_count()).zip(&self.grid.frames);
-        frames.map(|(cells, frame)| frame.loudness_weight / LOUDNESS_WEIGHT as f32 * cells.iter().map(|loudness| loudness - 1.0).sum::<f32>()).sum::<f32>().max(1e-6)
+        frames
+            .map(|(cells, frame)| {
+                frame.loudness_weight / LOUDNESS_WEIGHT as f32
+                    * cells.iter().map(|loudness| loudness - 1.0).sum::<f32>()
+            })
+            .sum::<f32>()
+            .max(1e-6)
     }
 
     /// Distance of a frame, its slope by the bins of the modes' spectrum, and that by the noise's

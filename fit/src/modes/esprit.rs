@@ -52,8 +52,8 @@ fn covariance(samples: &[C64], rows: usize) -> DMatrix<C64> {
     for column in 1..rows {
         for row in column..rows {
             let (i, j) = (row - 1, column - 1);
-            matrix[(row, column)] = matrix[(i, j)] - samples[i] * samples[j].conj()
-                + samples[i + columns] * samples[j + columns].conj();
+            matrix[(row, column)] =
+                matrix[(i, j)] - samples[i] * samples[j].conj() + samples[i + columns] * samples[j + columns].conj();
         }
     }
     for column in 0..rows {

@@ -25,11 +25,11 @@ mod search;
 mod subbands;
 
 pub(crate) use basis::{Basis, Stretch};
-pub use bounds::{Bounds, cramer_rao_bounds};
+pub use bounds::{Bounds, cramer_rao_bounds, standard_deviations_in};
 pub use damped_sine::DampedSine;
-pub(crate) use estimate::{estimate_poles, filled};
 pub use estimate::{Settings, estimate};
+pub(crate) use estimate::{estimate_poles, filled};
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;
-pub(crate) use subbands::candidates;
 pub(crate) use refine::{Ending, Gains, Group, Model, refine};
+pub(crate) use subbands::candidates;

@@ -86,7 +86,8 @@ impl Chosen {
     }
 
     fn total(&self) -> f64 {
-        let band = |band: &Vec<f64>| band.iter().zip(&self.times).map(|(loudness, time)| loudness * time.1).sum::<f64>();
+        let band =
+            |band: &Vec<f64>| band.iter().zip(&self.times).map(|(loudness, time)| loudness * time.1).sum::<f64>();
         self.wanted.iter().map(band).sum()
     }
 
@@ -129,7 +130,8 @@ mod tests {
 
     #[test]
     fn a_loud_low_partial_comes_before_stronger_inaudible_ones() {
-        let modes = [sine(330.0, 5.0, -30.0), sine(16_500.0, 5.0, -22.0), sine(4_000.0, 5.0, -20.0), sine(4_003.0, 5.0, -22.0)];
+        let modes =
+            [sine(330.0, 5.0, -30.0), sine(16_500.0, 5.0, -22.0), sine(4_000.0, 5.0, -20.0), sine(4_003.0, 5.0, -22.0)];
         let mut sound = vec![0.0; 44_100];
         modes.iter().for_each(|mode| mode.add_to(&mut sound, 44_100.0));
         let loudness = Loudness::new(&sound, &[], 44_100.0);

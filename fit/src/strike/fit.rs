@@ -103,6 +103,10 @@ pub struct Fit {
     ///
     /// Empty if the modes were fitted without noise.
     pub noise: Vec<Band>,
+    /// True if the modes explain the loudest strike down to its noise floor.
+    ///
+    /// Poles and gains are then those of most likelihood, and no descent has moved them.
+    pub is_exact: bool,
     /// Index of the loudest strike, whose gains a table takes if the force was not measured.
     pub loudest: usize,
 }

@@ -86,9 +86,6 @@ impl Heard<'_> {
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
         let ringing = self.ringing();
         let (audible, left) = self.start(self.poles(&self.audible(settings)))?;
-        if std::env::var_os("TIMES").is_some() {
-            eprintln!("left {:.1} dB", 10.0 * left.log10());
-        }
         let mut starts = vec![audible];
         if left < LITTLE {
             let likely = estimate_poles(ringing, self.rate_hz, settings);
@@ -109,10 +106,6 @@ impl Heard<'_> {
         let distances: Vec<f64> = starts.iter().map(|start| descent.distance(start)).collect();
         let best = (0..starts.len()).min_by(|&a, &b| distances[a].total_cmp(&distances[b]))?;
         let near = descent.run(&starts[best], STEPS).0;
-        if std::env::var_os("TIMES").is_some() {
-            let [a, b] = [&starts[best], &near].map(|x| descent.distance(x));
-            eprintln!("start {a:.2} ({}) near {b:.2}", starts[best].poles.len());
-        }
         Some(Near::Approached(audible_of(near)))
     }
 
@@ -153,7 +146,8 @@ impl Heard<'_> {
         let (mut modes, left) = self.refined(chosen.modes(), ringing, settings);
         if modes.len() < most {
             chosen = Chosen::of_rest(modes, &loudness.excitation_of(&left[..longest(&left)]));
-            chosen.take_from(&candidates(&left, self.rate_hz, settings), &loudness, most);
+            let more = candidates(&left, self.rate_hz, settings);
+            chosen.take_from(&more, &loudness, most);
             modes = chosen.modes().to_vec();
             if modes.len() < most {
                 let part = self.part(ringing);
@@ -161,6 +155,8 @@ impl Heard<'_> {
                 modes = filled.map_or(modes, |model| self.sines(&model));
             }
         }
+        // A refinement may leave drifts and clicks behind, which are no modes.
+        modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
         modes
     }
 
@@ -277,8 +273,7 @@ fn audible_of(mut sounding: Sounding) -> Sounding {
 
 /// True if a mode lies in the range of the search.
 fn is_mode(mode: &DampedSine, rate_hz: f64, settings: Settings) -> bool {
-    (settings.lowest_hz..0.49 * rate_hz).contains(&mode.frequency_hz)
-        && mode.decay_per_s < settings.fastest_decay_per_s
+    (settings.lowest_hz..0.49 * rate_hz).contains(&mode.frequency_hz) && mode.decay_per_s < settings.fastest_decay_per_s
 }
 
 /// True if two modes lie within a quarter of their common width.

@@ -41,17 +41,18 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
         };
         return of_bins(sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
     }
-    if let (true, Some(hit), Some(force)) = (settings.polish && std::env::var_os("BEFORE").is_none(), hits.get(loudest), forces.get(loudest)) {
+    if let (true, Some(hit), Some(force)) = (settings.polish, hits.get(loudest), forces.get(loudest)) {
         let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
         let near = Heard { samples, onset: hit.onset, end, last: hit.end, rate_hz, force };
         if let Some(near) = near.near(settings.modes) {
+            let is_exact = matches!(near, Near::Exact(_));
             let (poles, gains, noise) = match near {
                 Near::Exact((poles, gains)) => (poles, gains, Vec::new()),
                 Near::Approached(sounding) => (sounding.poles, sounding.gains, sounding.bands),
             };
             let model = with_loudest(poles, gains, &groups(&heard, &forces), loudest);
             let fit = described(&model, &groups(&heard, &forces), hits, &contacts_s, loudest, rate_hz);
-            return Ok(Fit { noise, ..fit });
+            return Ok(Fit { noise, is_exact, ..fit });
         }
     }
     let behind = forces.get(loudest).map_or(0, Vec::len);
@@ -176,5 +177,5 @@ fn described(
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, noise: Vec::new(), loudest }
+    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, noise: Vec::new(), is_exact: false, loudest }
 }

@@ -19,7 +19,8 @@ fn grid(size: usize) -> Grid {
 #[test]
 fn closed_form_spectra_are_those_of_the_rendered_modes() {
     let force = force();
-    let modes = [(120.0, 30.0, 1.0, 0.3), (1_000.0, 2.0, 0.5, -0.2), (9_000.0, 900.0, 0.1, 1.0), (21_500.0, 20.0, 0.2, 0.1)];
+    let modes =
+        [(120.0, 30.0, 1.0, 0.3), (1_000.0, 2.0, 0.5, -0.2), (9_000.0, 900.0, 0.1, 1.0), (21_500.0, 20.0, 0.2, 0.1)];
     for size in [128, 512, 1024, 2048] {
         let mut rendered = vec![0.0; 8_192];
         let silence = vec![0.0; 8_192 - 1_024];
