@@ -76,14 +76,8 @@ impl Descent {
         }
     }
 
-    /// The distance of a sound from the strike.
-    pub(crate) fn distance(&mut self, sounding: &Sounding) -> f64 {
-        let modes = as_modes(sounding);
-        self.objective.slope(&modes, sounding.gains.force, &sounding.bands).distance
-    }
-
     /// The nearest sound that is found within a number of steps.
-    pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> (Sounding, f64) {
+    pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> Sounding {
         let mut now = start.clone();
         for band in &mut now.bands {
             band.weight = band.weight.max((LEAST_POWER * self.power).sqrt());
@@ -141,7 +135,7 @@ impl Descent {
                     (band.decay_db_per_s * faster.exp()).clamp(DECAYS_DB_PER_S[0], DECAYS_DB_PER_S[1]);
             }
         }
-        best
+        best.0
     }
 }
 

@@ -58,6 +58,8 @@ pub(crate) fn estimate_poles(samples: &[f64], rate_hz: f64, settings: Settings) 
 
 /// Maximum number of passes of search and refinement.
 const PASSES: usize = 24;
+/// Maximum number of passes after which modes explain a sound or do not.
+const EXPLAINING_PASSES: usize = 6;
 /// Maximum number of passes that add to modes that are known.
 const FILLING_PASSES: usize = 3;
 /// Refinement of modes that are known, and of those added to them.
@@ -84,6 +86,30 @@ pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &
         model = within(&groups, refine(&groups, &poles, FILLING)?, range)?;
     }
     Some(model)
+}
+
+/// True if fewer than the maximum number of modes leave nothing significant after a few passes.
+pub(crate) fn explains(samples: &[f64], rate_hz: f64, settings: Settings) -> bool {
+    let groups = [Group::ringing(samples)];
+    let range = range(samples.len(), rate_hz, settings);
+    let threshold = 4.0 * (samples.len() as f64).ln();
+    let mut poles: Vec<Pole> = Vec::new();
+    let mut residual = samples.to_vec();
+    for _ in 0..EXPLAINING_PASSES {
+        let noise = NoiseFloor::of_residual(&residual);
+        let candidates = search(&residual, &noise, range, threshold, settings.most_modes);
+        if candidates.is_empty() {
+            return true;
+        }
+        poles.extend(candidates.iter().map(|candidate| candidate.pole));
+        if poles.len() >= settings.most_modes {
+            return false;
+        }
+        let Some(model) = refine(&groups, &poles, Ending::COARSE) else { return false };
+        residual = model.residual(0, &groups[0].stretches[0]);
+        poles = model.poles;
+    }
+    false
 }
 
 fn range(length: usize, rate_hz: f64, settings: Settings) -> Range {

@@ -28,7 +28,7 @@ pub(crate) use basis::{Basis, Stretch};
 pub use bounds::{Bounds, cramer_rao_bounds, standard_deviations_in};
 pub use damped_sine::DampedSine;
 pub use estimate::{Settings, estimate};
-pub(crate) use estimate::{estimate_poles, filled};
+pub(crate) use estimate::{estimate_poles, explains, filled};
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;
 pub(crate) use refine::{Ending, Gains, Group, Model, refine};

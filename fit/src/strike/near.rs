@@ -10,14 +10,13 @@ use crate::distance::{Spectrogram, band_power};
 use crate::hearing::Loudness;
 use crate::joint::{Descent, Sounding};
 use crate::modes::{
-    Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, filled, refine,
+    Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
+    filled, refine,
 };
 use crate::residual::{Band, usual_edges_hz};
 
-/// Share of a strike's energy that audible modes leave, below which the most likely modes are tried.
+/// Share of a strike's energy that audible modes leave, below which modes may explain all of it.
 const LITTLE: f64 = 0.03;
-/// Number of steps after which the nearer of two starts is known.
-const TRIAL: usize = 25;
 /// Gain of a mode relative to the strongest below which a table does not hold it: 93 dB.
 const SOFTEST: f64 = 2.2e-5;
 /// Sum of the gains of two modes within their widths, relative to the sum of the magnitudes, below
@@ -81,31 +80,21 @@ impl Heard<'_> {
 
     /// Modes and noise near to the strike; `None` if it has no audible mode.
     ///
-    /// The descent begins at the audible modes. If these leave little, those that are most likely
-    /// are another start, and the nearer of both goes on.
+    /// The descent begins at the audible modes. If these leave nothing but noise, the modes of most
+    /// likelihood are the answer.
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
-        let ringing = self.ringing();
-        let (audible, left) = self.start(self.poles(&self.audible(settings)))?;
-        let mut starts = vec![audible];
-        if left < LITTLE {
-            let likely = estimate_poles(ringing, self.rate_hz, settings);
-            let free = [Group::ringing(ringing)];
-            let model = refine(&free, &likely, Ending { steps: 0, ..Ending::COARSE })?;
-            if likely.len() < settings.most_modes && is_noise(&model.residual(0, &free[0].stretches[0])) {
-                return self.exact(model).map(Near::Exact);
-            }
-            starts.extend(self.start(likely).map(|start| start.0));
+        let audible = self.audible(settings);
+        let (start, left) = self.start(self.poles(&audible))?;
+        if left < LITTLE
+            && let Some(exact) = self.exact(settings)
+        {
+            return Some(Near::Exact(exact));
         }
         let edges_hz = usual_edges_hz(self.rate_hz);
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
         let mut descent =
             Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
-        if starts.len() > 1 {
-            starts = starts.iter().map(|start| descent.run(start, TRIAL)).map(|tried| tried.0).collect();
-        }
-        let distances: Vec<f64> = starts.iter().map(|start| descent.distance(start)).collect();
-        let best = (0..starts.len()).min_by(|&a, &b| distances[a].total_cmp(&distances[b]))?;
-        let near = descent.run(&starts[best], STEPS).0;
+        let near = descent.run(&start, STEPS);
         Some(Near::Approached(audible_of(near)))
     }
 
@@ -114,8 +103,20 @@ impl Heard<'_> {
         &strike[self.force.len().min(strike.len())..]
     }
 
-    /// Modes whose gains are those of the free ringing, driven by the force.
-    fn exact(&self, model: Model) -> Option<(Vec<Pole>, Gains)> {
+    /// Modes of most likelihood, if they leave nothing but noise.
+    ///
+    /// Their gains are those of the free ringing behind the contact, driven by the force.
+    fn exact(&self, settings: Settings) -> Option<(Vec<Pole>, Gains)> {
+        let ringing = self.ringing();
+        if !explains(self.part(ringing), self.rate_hz, settings) {
+            return None;
+        }
+        let likely = estimate_poles(ringing, self.rate_hz, settings);
+        let group = [Group::ringing(ringing)];
+        let model = refine(&group, &likely, Ending { steps: 0, ..Ending::COARSE })?;
+        if likely.len() >= settings.most_modes || !is_noise(&model.residual(0, &group[0].stretches[0])) {
+            return None;
+        }
         let strike = self.strike();
         let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
         let free = model.gains.into_iter().next()?;
