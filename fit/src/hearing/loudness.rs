@@ -74,7 +74,7 @@ impl Loudness {
         self.length
     }
 
-    /// Excitation that precedes the strike or, if there is too little before it, remains at its end.
+    /// Excitation that precedes the strike; if little does, that which remains at its end.
     fn background_of(&self, before: &[f64]) -> Vec<f64> {
         let samples = |seconds: f64| (seconds * self.rate_hz) as usize;
         let from = before.len().saturating_sub(samples(0.2));

@@ -2,9 +2,9 @@
 //!
 //! | measure | what it compares |
 //! | --- | --- |
-//! | log-spectral distance | single bins in dB, over 0.25 s from 20 samples before the peak ([`crate::distance`]) |
+//! | log-spectral distance | single bins in dB, over 0.25 s from just before the peak |
 //! | ERB distance | levels in 40 bands in dB, over the whole strike, and over those 0.25 s |
-//! | loudness error | specific loudness in 60 gammatone bands every 2 ms: share in the wrong place |
+//! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
 //! | partials | share of the audible partials whose level is right within 3 dB |
 //!
 //! The strike begins at its onset. What precedes it in the recording is the background, which masks

@@ -21,6 +21,8 @@ mod descent;
 mod grid;
 mod noise;
 mod objective;
+mod response;
 mod spectra;
+mod split;
 
 pub(crate) use descent::{Descent, Sounding};

@@ -3,7 +3,9 @@
 use super::cell::{Cell, Moments};
 use super::grid::{Cells, Frame, Grid, LEAST_SQUARE, LOUDNESS, bands};
 use super::noise::{Fall, NoiseGrid};
-use super::spectra::{Response, Shape, Slopes, Spectra, Split};
+use super::response::Response;
+use super::spectra::{Shape, Slopes, Spectra};
+use super::split::Split;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
 use crate::residual::Band;
 use fourier::Complex;

@@ -18,113 +18,15 @@
 use fourier::Complex;
 
 use super::grid::Grid;
+use super::response::Response;
+use super::split::{C32, Split, hann_of};
 
 /// Bins below 0 and above half the rate that are kept of modes behind the force.
 const MARGIN: usize = 24;
 /// Value of a shape relative to its maximum below which it is left out: 80 dB.
 const NEGLIGIBLE: f64 = 1e-4;
 
-type C32 = Complex<f32>;
 type C64 = Complex<f64>;
-
-/// A spectrum in separate real and imaginary parts.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Split {
-    pub(super) re: Vec<f32>,
-    pub(super) im: Vec<f32>,
-}
-
-impl Split {
-    fn zeros(length: usize) -> Self {
-        Self { re: vec![0.0; length], im: vec![0.0; length] }
-    }
-
-    fn clear(&mut self) {
-        self.re.fill(0.0);
-        self.im.fill(0.0);
-    }
-
-    fn push(&mut self, value: C64) {
-        self.re.push(value.re as f32);
-        self.im.push(value.im as f32);
-    }
-
-    fn at(&self, index: usize) -> C32 {
-        match (self.re.get(index), self.im.get(index)) {
-            (Some(&re), Some(&im)) => C32 { re, im },
-            _ => C32::default(),
-        }
-    }
-
-    /// Adds `factor` times `shape` from `first` on.
-    fn add(&mut self, factor: C32, shape: &Self, first: usize) {
-        let to = first + shape.re.len();
-        let (re, im) = (&mut self.re[first..to], &mut self.im[first..to]);
-        for (((re, im), a), b) in re.iter_mut().zip(im).zip(&shape.re).zip(&shape.im) {
-            *re += factor.re * a - factor.im * b;
-            *im += factor.re * b + factor.im * a;
-        }
-    }
-
-    /// Sum `Σ self* · shape` from `first` on.
-    fn dot(&self, shape: &Self, first: usize) -> C32 {
-        let to = first + shape.re.len();
-        let (re, im) = (&self.re[first..to], &self.im[first..to]);
-        const LANES: usize = 8;
-        let (mut sum_re, mut sum_im) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let chunks = re.chunks(LANES).zip(im.chunks(LANES));
-        for ((x, y), (a, b)) in chunks.zip(shape.re.chunks(LANES).zip(shape.im.chunks(LANES))) {
-            for lane in 0..x.len().min(LANES) {
-                sum_re[lane] += x[lane] * a[lane] + y[lane] * b[lane];
-                sum_im[lane] += x[lane] * b[lane] - y[lane] * a[lane];
-            }
-        }
-        C32::new(sum_re.iter().sum(), sum_im.iter().sum())
-    }
-}
-
-/// Response of a mode to the force, per unit of gain.
-#[derive(Clone, Debug)]
-pub(super) struct Response {
-    /// `ln z`.
-    pub(super) log_pole: C64,
-    /// `z u[n]` and its derivative by `ln z` at samples 0 to the end of the force, shifted by one:
-    /// entry 0 is that before the force.
-    head: Vec<[C64; 2]>,
-}
-
-impl Response {
-    pub(super) fn new(log_pole: C64, force: &[f64]) -> Self {
-        let z = log_pole.exp();
-        let zero = C64::new(0.0, 0.0);
-        let mut head = vec![[zero; 2]];
-        let (mut u, mut v) = (zero, zero);
-        for &force in force {
-            v = z * (v + u);
-            u = z * u + force;
-            head.push([z * u, z * (v + u)]);
-        }
-        Self { log_pole, head }
-    }
-
-    /// `z u[n-1]` at sample n, and its derivative by `ln z`.
-    fn state(&self, n: i64) -> [C64; 2] {
-        let Ok(at) = usize::try_from(n) else { return [C64::new(0.0, 0.0); 2] };
-        let end = self.head.len() - 1;
-        match self.head.get(at) {
-            Some(state) => *state,
-            None => self.ringing((at - end) as f64),
-        }
-    }
-
-    /// The state `since` samples behind the force, or before its end if negative, as if the mode
-    /// rang freely.
-    fn ringing(&self, since: f64) -> [C64; 2] {
-        let [state, slope] = self.head[self.head.len() - 1];
-        let power = (self.log_pole * since).exp();
-        [power * state, power * (slope + state * since)]
-    }
-}
 
 /// Spectra of a grid's frames.
 pub(super) struct Spectra {
@@ -414,16 +316,6 @@ impl Spectra {
         slopes.pole[0] -= 0.5 * turned.re;
         slopes.pole[1] -= 0.5 * turned.im;
     }
-}
-
-/// The spectrum under a Hann window; its own adjoint.
-fn hann_of(spectrum: &Split) -> Split {
-    let length = spectrum.re.len();
-    let part = |x: &[f32]| {
-        let at = |index: usize| if index < length { x[index] } else { 0.0 };
-        (0..length).map(|k| 0.5 * x[k] - 0.25 * (at(k.wrapping_sub(1)) + at(k + 1))).collect()
-    };
-    Split { re: part(&spectrum.re), im: part(&spectrum.im) }
 }
 
 #[cfg(test)]

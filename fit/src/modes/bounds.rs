@@ -33,7 +33,7 @@ pub fn cramer_rao_bounds(modes: &[DampedSine], length: usize, rate_hz: f64, nois
     Some(bounds.collect())
 }
 
-/// Standard deviations of the modes that a recording was explained by, in the noise that they leave.
+/// Standard deviations of the modes that explain a recording, in the noise that they leave.
 ///
 /// They are the bounds in white noise of the level that the residual has round each mode's
 /// frequency. `None` if two modes are equal.

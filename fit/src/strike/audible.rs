@@ -1,6 +1,5 @@
 //! Choice of modes by the loudness that they explain.
 
-use super::near::are_one;
 use crate::hearing::{HOP_S, Loudness, specific_loudness};
 use crate::modes::DampedSine;
 
@@ -118,6 +117,12 @@ impl Chosen {
         }
         self.modes.push(*mode);
     }
+}
+
+/// True if two modes lie within a quarter of their common width.
+pub(super) fn are_one(a: &DampedSine, b: &DampedSine) -> bool {
+    let width_hz = (a.decay_per_s + b.decay_per_s) / std::f64::consts::TAU;
+    (a.frequency_hz - b.frequency_hz).abs() < 0.25 * width_hz
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use nalgebra::Complex;
 
-use super::audible::Chosen;
+use super::audible::{Chosen, are_one};
 use crate::distance::{Spectrogram, band_power};
 use crate::hearing::Loudness;
 use crate::joint::{Descent, Sounding};
@@ -275,12 +275,6 @@ fn audible_of(mut sounding: Sounding) -> Sounding {
 /// True if a mode lies in the range of the search.
 fn is_mode(mode: &DampedSine, rate_hz: f64, settings: Settings) -> bool {
     (settings.lowest_hz..0.49 * rate_hz).contains(&mode.frequency_hz) && mode.decay_per_s < settings.fastest_decay_per_s
-}
-
-/// True if two modes lie within a quarter of their common width.
-pub(super) fn are_one(a: &DampedSine, b: &DampedSine) -> bool {
-    let width_hz = (a.decay_per_s + b.decay_per_s) / std::f64::consts::TAU;
-    (a.frequency_hz - b.frequency_hz).abs() < 0.25 * width_hz
 }
 
 /// True if a residual does not die away: its first tenth is no louder than twice its quietest part.
