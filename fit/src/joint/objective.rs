@@ -160,6 +160,8 @@ impl Part {
         let shapes: Vec<Shape> = responses.iter().map(|response| self.spectra.shape(response)).collect();
         self.spectra.sum(&shapes, gains, force_gain);
         let falls: Vec<Vec<Fall>> = noise.iter().map(|band| self.noise.falls(band.decay_db_per_s)).collect();
+        let fall =
+            |band: usize, frame: usize| falls.get(band).and_then(|falls| falls.get(frame)).copied().unwrap_or_default();
         let count = self.grid.cell_count();
         let whole_loudness = if self.grid.threshold.is_empty() { 1.0 } else { self.whole_loudness() };
         let mut powers = vec![0.0f32; count];
@@ -168,7 +170,7 @@ impl Part {
             powers.fill(0.0);
             for (band, its) in noise.iter().enumerate().filter(|(_, its)| its.weight > 0.0) {
                 let (first, shares) = self.noise.powers(band, frame);
-                let power = (its.weight * its.weight) as f32 * falls[band][frame].0;
+                let power = (its.weight * its.weight) as f32 * fall(band, frame).0;
                 for (sum, share) in powers.iter_mut().skip(first).zip(shares) {
                     *sum += power * share;
                 }
@@ -178,8 +180,8 @@ impl Part {
             for (band, its) in noise.iter().enumerate() {
                 let (first, shares) = self.noise.powers(band, frame);
                 let along: f32 = by_noise.iter().skip(first).zip(shares).map(|(slope, share)| slope * share).sum();
-                let (fall, bend) = falls[band][frame];
-                total.bands[band].by_power += f64::from(along * fall);
+                let (left, bend) = fall(band, frame);
+                total.bands[band].by_power += f64::from(along * left);
                 total.bands[band].by_decay += f64::from(along * bend) * its.weight * its.weight;
             }
             self.spectra.put_slope(frame, &slope);
