@@ -84,7 +84,8 @@ struct HeadRun {
     force: *const i32,
     /// Tap of the last frame before the run, for sample 0 of the force.
     taps: *const i32,
-    ranges: core::ops::Range<*const [u16; 2]>,
+    ranges: *const [u16; 2],
+    ranges_end: *const [u16; 2],
     frame: usize,
     out: *mut i32,
     count: usize,
@@ -106,10 +107,12 @@ pub fn convolve(head: &Convolution<'_>, frame: usize, out: &mut [i32]) {
         return;
     }
     let half = head.half() as u64;
+    let ranges = head.ranges.as_ptr_range();
     let run = HeadRun {
         force: head.force.as_ptr(),
         taps: head.taps.as_ptr().wrapping_add(POINTS - 1),
-        ranges: head.ranges.as_ptr_range(),
+        ranges: ranges.start,
+        ranges_end: ranges.end,
         frame,
         out: out.as_mut_ptr(),
         count: out.len(),
