@@ -80,7 +80,7 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 780),
+    (CostItem::Tick, 720),
     (CostItem::Pad, 457),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
@@ -92,7 +92,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::BusDrivenPad, 5290),
     (CostItem::DrivenFrame, 20),
     (CostItem::ContactFrame, 131),
-    (CostItem::DirectFrame, 24),
+    (CostItem::DirectFrame, 21),
     (CostItem::GuardedGroup, 430),
     (CostItem::GuardedRingingGroup, 435),
     (CostItem::Strike, 2900),

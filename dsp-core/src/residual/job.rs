@@ -36,8 +36,8 @@ pub(super) struct Job {
 
 /// Cycles of bringing a band up to date, and extra cycles if a strike adds to it, for sharing the
 /// work; measured on the virtual core.
-const BAND_CYCLES: u32 = 75;
-const STRUCK_CYCLES: u32 = 120;
+const BAND_CYCLES: u32 = 70;
+const STRUCK_CYCLES: u32 = 110;
 
 impl Job {
     pub(super) fn new(region: usize, passage: Passage, bands: usize, is_struck: bool) -> Self {

@@ -193,8 +193,8 @@ fn line(power: f32, half_tilt: f32) -> Complex {
 
 /// Cycles of a line with an edge, of a band, and of a line inside a band; measured on the virtual
 /// core.
-const LINE_CYCLES: u32 = 135;
-const BAND_CYCLES: u32 = 190;
+const LINE_CYCLES: u32 = 150;
+const BAND_CYCLES: u32 = 210;
 const ALIKE_CYCLES: u32 = 8;
 
 /// Cycles of all lines of a spectrum, with a number of bands.

@@ -24,7 +24,7 @@ pub(super) struct Making {
 }
 
 /// Cycles of a pair of lines, for sharing the work; measured on the virtual core.
-const PAIR_CYCLES: u32 = 128;
+const PAIR_CYCLES: u32 = 116;
 
 impl Making {
     /// A wave that is not begun; `common` holds the values that its bands share.
