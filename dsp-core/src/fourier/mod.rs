@@ -9,7 +9,7 @@ mod kernel;
 mod twiddles;
 
 pub(crate) use twiddles::{Complex, MAX_POINTS, TURN, TWIDDLES, cosine, quarter_sine};
-use twiddles::{FACTORS_16, FACTORS_64, FACTORS_128, FACTORS_256, FACTORS_512};
+use twiddles::{FACTORS_16, FACTORS_64, FACTORS_128, FACTORS_256, FACTORS_512, times};
 
 /// Progress of a transform.
 #[derive(Clone, Copy, Debug)]
@@ -89,12 +89,6 @@ fn pass_of_2(points: &mut [Complex], factors: &[Complex], first: usize, count: u
         *a = [a[0] + b[0], a[1] + b[1]];
         *b = times(difference, *w);
     }
-}
-
-/// Product of two complex numbers.
-#[inline(always)]
-fn times(x: Complex, w: Complex) -> Complex {
-    [x[0] * w[0] - x[1] * w[1], x[0] * w[1] + x[1] * w[0]]
 }
 
 /// Place of a sample of the result, modulo the number of points.

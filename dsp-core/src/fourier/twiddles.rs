@@ -3,6 +3,12 @@
 /// Complex number: real, imaginary.
 pub(crate) type Complex = [f32; 2];
 
+/// Product of two complex numbers.
+#[inline(always)]
+pub(super) fn times(x: Complex, w: Complex) -> Complex {
+    [x[0] * w[0] - x[1] * w[1], x[0] * w[1] + x[1] * w[0]]
+}
+
 /// Largest number of points M of a complex transform; a wave has twice as many samples.
 pub(crate) const MAX_POINTS: usize = 512;
 /// Divisor of a turn: angles in the tables are multiples of that part.

@@ -69,8 +69,8 @@ pub(super) const PAN: u32 = 28;
 /// Nominal cycles of the preparation of a force, and of the clearing of lines.
 pub(super) const FILL: u32 = 3_800;
 pub(super) const CLEAR: u32 = 1_800;
-/// Nominal cycles of a line of a tail without the window, of a pair of lines of its spectrum, of its
-/// rounding, and of all of it.
+/// Nominal cycles of a line of a tail without the window, of a pair of lines of its spectrum, of
+/// its rounding, and of all of it.
 pub(super) const UNWINDOW: u32 = 29;
 pub(super) const COMBINE: u32 = 75;
 pub(super) const PUT: u32 = 7_600;

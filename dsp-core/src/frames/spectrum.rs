@@ -54,8 +54,8 @@ pub(super) fn unwindow(lines: &Lines, range: Range<usize>, transform: &mut [Comp
 }
 
 /// Spectrum of a tail, folded for a transform of N points to its even samples as real parts and its
-/// odd ones as imaginary parts: the [lines without the window](unwindow) of a force times a response
-/// (lines 0 to N, times 1/2N), for a range of the pairs k and N - k.
+/// odd ones as imaginary parts: the [lines without the window](unwindow) of a force times a
+/// response (lines 0 to N, times 1/2N), for a range of the pairs k and N - k.
 pub(super) fn combine(
     lines: &Lines,
     response: &[Complex],

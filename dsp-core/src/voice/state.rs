@@ -217,9 +217,7 @@ impl Voice<'_, '_> {
         self.is_choked = self.is_choke_wanted;
         self.wake_banks();
         let is_choked = self.is_choked;
-        if let Some(frames) = &mut self.frames {
-            frames.lay_hand(is_choked);
-        }
+        self.frames.iter_mut().for_each(|frames| frames.lay_hand(is_choked));
         self.banks.iter_mut().map(|bank| bank.lay_hand(is_choked)).sum()
     }
 

@@ -1,7 +1,6 @@
 //! The loops in plain Rust.
 
-use super::super::times;
-use super::super::twiddles::{Complex, Factors};
+use super::super::twiddles::{Complex, Factors, times};
 
 /// Computes butterflies of radix 4 over blocks of a size, from a butterfly on. Each block has as
 /// many butterflies as there are factors, a quarter of its points.
