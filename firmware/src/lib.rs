@@ -18,6 +18,7 @@ pub mod faults;
 pub mod half;
 pub mod hardware;
 pub mod input;
+pub mod journal;
 pub mod kits;
 pub mod last_words;
 pub mod owned;

@@ -8,82 +8,16 @@
 //! The sound goes to level 0 and then ends, by events that the log tells, so that the PC plays the
 //! same. Strikes and notes of that time are not played.
 
-use core::sync::atomic::{AtomicU8, Ordering};
-
 use dsp_core::table::Kit;
 use dsp_core::trigger::TriggerError;
 
-use super::i2s::Told;
+use super::fade::{Fade, Holder, wish};
+use super::i2s::{self, Told};
 use super::instrument::Instrument;
-use super::{AUDIO, Audio};
+use super::interrupt::{AUDIO, Audio};
 use crate::half::HALF_FRAMES;
 use crate::input::Overrides;
 use crate::{cycles, watchdog};
-
-/// Who may use the sound's state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub(super) enum Holder {
-    /// Nobody: the sound has not been started.
-    Nobody = 0,
-    /// Interrupt of the stream.
-    Interrupt = 1,
-    /// Task that called [`hush`].
-    Task = 2,
-}
-
-static HOLDER: AtomicU8 = AtomicU8::new(Holder::Nobody as u8);
-/// Number of a wish for silence that the interrupt has not fulfilled; 0 without one.
-static WISH: AtomicU8 = AtomicU8::new(0);
-
-impl Holder {
-    pub(super) fn get() -> Self {
-        match HOLDER.load(Ordering::Acquire) {
-            1 => Self::Interrupt,
-            2 => Self::Task,
-            _ => Self::Nobody,
-        }
-    }
-
-    pub(super) fn set(self) {
-        HOLDER.store(self as u8, Ordering::Release);
-    }
-}
-
-/// Number of halves of the way to level 0: 20 ms, and one half.
-const LEVEL_HALVES: u8 = 31;
-/// Number of halves until the sound has ended and both halves of the buffer are silent.
-const END_HALVES: u8 = LEVEL_HALVES + 9;
-
-/// Way to silence: the number of halves since it began, 0 without one.
-pub(super) struct Fade(u8);
-
-impl Fade {
-    /// Sound that goes on.
-    pub(super) const NONE: Self = Self(0);
-
-    /// Takes a step of a half; returns true if the sound fades.
-    pub(super) fn step(&mut self, instrument: &mut Instrument) -> bool {
-        if WISH.load(Ordering::Relaxed) == 0 {
-            return false;
-        }
-        match self.0 {
-            0 => {
-                instrument.forget_events();
-                instrument.mute();
-            }
-            LEVEL_HALVES => instrument.end(),
-            _ => {}
-        }
-        self.0 = self.0.saturating_add(1);
-        true
-    }
-
-    /// Returns true if nothing sounds any more, and all that was rendered has been zeros.
-    pub(super) fn is_over(&self) -> bool {
-        self.0 >= END_HALVES
-    }
-}
 
 /// Sound that is silent, held by a task until it is dropped.
 pub struct Hushed(&'static mut Audio);
@@ -96,11 +30,11 @@ pub fn hush() -> Option<Hushed> {
     if Holder::get() != Holder::Interrupt {
         return None;
     }
-    WISH.store(1, Ordering::Relaxed);
+    wish(true);
     while Holder::get() != Holder::Task {
         cortex_m::asm::wfi();
     }
-    WISH.store(0, Ordering::Relaxed);
+    wish(false);
     watchdog::expect_loading();
     // SAFETY: the interrupt has given the state away, and takes it back only behind this value.
     Some(Hushed(unsafe { AUDIO.get() }))
@@ -149,7 +83,7 @@ impl Drop for Hushed {
 pub fn wait_for_gap(frames: usize) {
     const PATIENCE_HALVES: usize = 150;
     for _ in 0..PATIENCE_HALVES {
-        if HALF_FRAMES - super::i2s::position() % HALF_FRAMES >= frames {
+        if HALF_FRAMES - i2s::position() % HALF_FRAMES >= frames {
             return;
         }
         // An interrupt of the stream comes each half.

@@ -13,7 +13,7 @@ use firmware::input::Inputs;
 use firmware::input::piezo::Piezos;
 use firmware::restart::{self, Cause};
 use firmware::storage::{Started, Storage};
-use firmware::{audio, board, cycles, dfu, hardware, last_words, sysex, tasks, usb, volume, watchdog};
+use firmware::{audio, board, cycles, dfu, hardware, journal, last_words, sysex, tasks, usb, volume, watchdog};
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -64,7 +64,7 @@ fn play(
     if let Some(usb) = usb::start(devices.usb) {
         let midi = Midi::new((usb.incoming, usb.outgoing), kit, channel);
         if let Some(log) = audio::start(devices.i2s, inputs, instrument, midi) {
-            tasks::begin_log(log, kit);
+            journal::begin(log, kit);
             spawn(spawner, tasks::log());
         }
         spawn(spawner, sysex::serve(usb.sysex, usb.replies, storage));

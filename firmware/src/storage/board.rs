@@ -3,7 +3,8 @@
 use boards::Board;
 use cable::{Content, Identity, Job, Key, LeftOut, Refusal, Store, Text, Value};
 
-use super::{Storage, slots};
+use super::slots;
+use super::state::Storage;
 use crate::board::sector::Sector;
 use crate::board::{CLOCKS, Memory, NAME, SLOTS};
 use crate::{audio, dfu};

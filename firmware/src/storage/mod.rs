@@ -1,6 +1,7 @@
 //! Kits and settings in the flash of the chip, which outlive a restart.
 //!
 //! ```text
+//! state      what there is of it, and which kit plays
 //! flash      erases sectors and programs words between two interrupts of the sound
 //! settings   values that go before those of the kit, and the place of each slot
 //! slots      kits: which sector belongs to which slot, uploads, erases
@@ -17,16 +18,7 @@ mod flash;
 mod player;
 mod settings;
 mod slots;
+mod state;
 
-pub use flash::{Flash, FlashError};
-pub use player::{Playing, Started};
-pub use settings::Settings;
-pub use slots::Slots;
-
-/// Kits, settings and the kit that plays. There is one.
-pub struct Storage {
-    flash: Flash,
-    settings: Settings,
-    slots: Slots,
-    playing: Playing,
-}
+pub use player::Started;
+pub use state::Storage;

@@ -5,25 +5,16 @@ use dsp_core::table::Kit;
 use dsp_core::table::range::DEFAULT_HEADPHONE_DB;
 
 use super::flash::Flash;
-use super::{Settings, Slots, Storage};
+use super::settings::Settings;
+use super::slots::Slots;
+use super::state::{Playing, Storage};
 use crate::audio::instrument::Instrument;
 use crate::audio::{self, BUDGET_CYCLES};
 use crate::board::sector::Sector;
 use crate::faults::{self, Fault};
 use crate::input::Overrides;
 use crate::refusal::Refusal;
-use crate::{input, kits, tasks, volume, watchdog};
-
-/// Kit that plays, and where it is.
-#[derive(Clone, Copy)]
-pub struct Playing {
-    /// Kit; `None` before the start.
-    kit: Option<Kit<'static>>,
-    /// Slot that the kit was started from; `None` for the built-in kit.
-    pub(super) slot: Option<u8>,
-    /// Sector that holds the kit; `None` for the built-in kit.
-    pub(super) sector: Option<Sector>,
-}
+use crate::{input, journal, kits, volume, watchdog};
 
 /// Kit that a board plays after its start.
 pub struct Started {
@@ -149,7 +140,7 @@ impl Storage {
     fn change(&self, hushed: &mut audio::Hushed) -> Result<(), CableRefusal> {
         let Some(kit) = self.playing.kit else { return Err(CableRefusal::NotLoadable) };
         // Lines of before the change name the pads of the old kit.
-        tasks::pass_on_log(Some(kit));
+        journal::pass_on(Some(kit));
         self.load(hushed.instrument(), &kit).map_err(|refusal| {
             defmt::error!("the kit is refused: {}", refusal);
             CableRefusal::NotLoadable

@@ -16,7 +16,7 @@ fn flash_with(kits: &[(u32, &[u8])]) -> FlashMemory {
 
 /// Returns the largest step between two neighbouring samples of the last stream from a frame on.
 fn largest_step(session: &Session, from_s: f64, to_s: f64) -> f64 {
-    let stream = session.cable.board.streams().pop().unwrap();
+    let stream = session.board.streams().pop().unwrap();
     let place = |at_s: f64| (((at_s - stream.start_s) * 48_000.0) as usize).min(stream.frames.len());
     let frames = &stream.frames[place(from_s)..place(to_s)];
     let steps = frames.windows(2).map(|pair| (f64::from(pair[1][0]) - f64::from(pair[0][0])).abs());
@@ -28,12 +28,12 @@ fn program_change_plays_the_kit_of_its_slot_after_a_fade_without_a_click() {
     let (first, second) = (kit_of("first", 0), kit_of("second", 0));
     let flash = flash_with(&[(0x080e_0000, &first), (0x080c_0000, &second)]);
     let mut session = Session::start(Board::Stm32f407gDisc1, Setup { flash: Some(flash), ..Setup::default() });
-    session.cable.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 127]));
+    session.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 127]));
     session.run_for(0.1);
-    let sounding = largest_step(&session, session.cable.board.now_s() - 0.05, session.cable.board.now_s());
-    let asked_s = session.cable.board.now_s();
+    let sounding = largest_step(&session, session.board.now_s() - 0.05, session.board.now_s());
+    let asked_s = session.board.now_s();
     for program in [1, 127, 0, 5] {
-        session.cable.board.usb(UsbAction::Send(vec![0x0c, 0xc9, program, 0]));
+        session.board.usb(UsbAction::Send(vec![0x0c, 0xc9, program, 0]));
         session.run_for(0.3);
     }
     let ending = largest_step(&session, asked_s, asked_s + 0.05);
@@ -64,9 +64,9 @@ fn start_slot_and_level_hold_after_a_restart() {
     for (key, value) in [(Key::StartSlot, Value::Count(1)), (Key::Level, Value::Number(-20.0))] {
         assert_eq!(session.ask(Request::Set { key, value: Some(value) }), Ok(Answer::Done));
     }
-    let flash = Some(session.cable.board.flash());
+    let flash = Some(session.board.flash());
     let mut again = Session::start(Board::Stm32f407gDisc1, Setup { flash, ..Setup::default() });
-    again.cable.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 127]));
+    again.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 127]));
     again.run_for(0.1);
     let report = again.report();
     assert_eq!(says(&report, " plays"), ["slot 1: second plays"]);
@@ -78,8 +78,8 @@ fn bootloader_of_the_rom_is_entered_behind_the_answer() {
     for board in Board::ALL {
         let mut session = Session::start(board, Setup::default());
         assert_eq!(session.ask(Request::EnterDfu), Ok(Answer::Done), "{}", board.name());
-        let until_s = session.cable.board.now_s() + 0.1;
-        let error = session.cable.board.run_until(until_s).unwrap_err().to_string();
+        let until_s = session.board.now_s() + 0.1;
+        let error = session.board.run_until(until_s).unwrap_err().to_string();
         println!("{}: {error}", board.name());
         assert!(error.contains("0x1fff0000"), "{}: {error}", board.name());
     }

@@ -1,17 +1,16 @@
 //! Kits and settings in the flash of a board, which a computer sends over USB.
 
 mod deeds;
-mod link;
 mod power;
 mod refusals;
 mod settings;
 mod uploads;
 
 use cable::{Answer, Content, Download, Exchange, HostError, Query, Request, Task, Upload, converse};
-use link::VirtualCable;
 use virtual_board::{Board, Report, Setup, UsbAction, UsbHost, VirtualBoard};
 
 use crate::common;
+use crate::usb::link::{BoardLink, LinkError};
 
 /// Time at which the board is configured, in s from power-on: the BlackPill has loaded its kit at
 /// 0.35 s.
@@ -19,7 +18,7 @@ const CONFIGURED_S: f64 = 0.5;
 
 /// Board with a computer at its cable.
 struct Session {
-    cable: VirtualCable,
+    board: VirtualBoard,
     exchange: Exchange,
 }
 
@@ -30,11 +29,15 @@ impl Session {
         let setup = Setup { usb: UsbHost { actions: plugged, ..UsbHost::default() }, ..setup };
         let mut running = VirtualBoard::new(board, &common::application(board), &setup).unwrap();
         running.run_until(CONFIGURED_S).unwrap();
-        Self { cable: VirtualCable::new(running), exchange: Exchange::new(1) }
+        Self { board: running, exchange: Exchange::new(1) }
     }
 
     fn do_task(&mut self, task: &mut impl Task) -> Result<(), HostError> {
-        converse(&mut self.cable, &mut self.exchange, task, |_| {})
+        let told = converse(&mut BoardLink::new(&mut self.board), &mut self.exchange, task, |_| {});
+        told.map_err(|error| match error {
+            LinkError::Host(error) => error,
+            LinkError::Board(error) => panic!("{error}"),
+        })
     }
 
     fn ask(&mut self, request: Request<'_>) -> Result<Answer<'static>, HostError> {
@@ -65,12 +68,12 @@ impl Session {
     }
 
     fn run_for(&mut self, seconds: f64) {
-        let until_s = self.cable.board.now_s() + seconds;
-        self.cable.board.run_until(until_s).unwrap();
+        let until_s = self.board.now_s() + seconds;
+        self.board.run_until(until_s).unwrap();
     }
 
     fn report(&self) -> Report {
-        self.cable.board.report().unwrap()
+        self.board.report().unwrap()
     }
 }
 

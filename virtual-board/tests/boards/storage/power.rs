@@ -15,9 +15,9 @@ const STARTED_S: f64 = 0.4;
 fn uploads(board: Board) -> (FlashHistory, usize) {
     let mut session = Session::start(board, Setup::default());
     session.send(0, &kit_of("old", 3_000)).unwrap();
-    let first = session.cable.board.flash_history().operations.len();
+    let first = session.board.flash_history().operations.len();
     session.send(0, &kit_of("new", 3_000)).unwrap();
-    (session.cable.board.flash_history(), first)
+    (session.board.flash_history(), first)
 }
 
 /// Starts a board with this flash and returns the name of the kit that plays.
@@ -83,7 +83,7 @@ fn erase_loses_power(board: Board, seeds: u64) {
 }
 
 #[test]
-fn power_lost_within_the_erase_of_an_upload_leaves_the_old_kit_or_says_that_it_is_gone() {
+fn power_lost_within_an_erase_leaves_the_old_kit_or_says_it_is_gone() {
     for board in Board::ALL {
         erase_loses_power(board, 3);
     }
@@ -92,7 +92,7 @@ fn power_lost_within_the_erase_of_an_upload_leaves_the_old_kit_or_says_that_it_i
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes; the test of 3 erases runs always"]
-fn power_lost_at_100_places_of_an_erase_leaves_the_old_kit_or_says_that_it_is_gone() {
+fn power_lost_in_100_erases_leaves_the_old_kit_or_says_it_is_gone() {
     for board in Board::ALL {
         erase_loses_power(board, 100);
     }
@@ -106,9 +106,9 @@ fn settings_lose_power_at(places: usize) {
     for n in 0..16 {
         let value = Some(Value::Count(1 + n));
         assert_eq!(session.ask(Request::Set { key: Key::Channel, value }), Ok(Answer::Done));
-        ends.push(session.cable.board.flash_history().operations.len());
+        ends.push(session.board.flash_history().operations.len());
     }
-    let history = session.cable.board.flash_history();
+    let history = session.board.flash_history();
     let first = ends[0];
     for place in 0..places {
         let nth = first + place % (history.operations.len() - first);

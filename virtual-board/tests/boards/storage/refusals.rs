@@ -15,7 +15,7 @@ fn refusal<T: std::fmt::Debug>(result: Result<T, HostError>) -> Refusal {
 /// Strikes the first pad of the kit that plays, and returns true if the log tells it.
 fn plays(session: &mut Session) -> bool {
     let before = says(&session.report(), ",strike").len();
-    session.cable.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 100]));
+    session.board.usb(UsbAction::Send(vec![0x09, 0x99, 60, 100]));
     session.run_for(0.03);
     says(&session.report(), ",strike").len() > before
 }

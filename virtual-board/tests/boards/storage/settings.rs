@@ -34,7 +34,7 @@ fn settings_outlive_a_restart_and_removed_ones_are_gone() {
             set(&mut session, key, Some(value));
         }
         set(&mut session, Key::Channel, None);
-        let flash = session.cable.board.flash();
+        let flash = session.board.flash();
         let mut again = Session::start(board, Setup { flash: Some(flash), ..Setup::default() });
         for (key, value) in values {
             let expected = Some(value).filter(|_| key != Key::Channel);
@@ -52,7 +52,7 @@ fn wear(board: Board, count: usize) -> FlashMemory {
     }
     let report = session.report();
     assert!(report.resets.is_empty() && says(&report, "halves missed").is_empty(), "{:#?}", report.log);
-    session.cable.board.flash()
+    session.board.flash()
 }
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
@@ -93,5 +93,5 @@ fn flash_that_fails_refuses_a_setting_by_name_and_the_old_value_holds() {
         assert_eq!(get(&mut session, Key::Channel), holds);
     }
     assert_eq!(refused, 1);
-    assert!(session.cable.board.now_s() > CONFIGURED_S);
+    assert!(session.board.now_s() > CONFIGURED_S);
 }

@@ -14,10 +14,10 @@ fn kit_is_sent_read_back_and_played(board: Board, bytes: usize) {
     let mut session = Session::start(board, Setup { flash_times: FlashTimes::Maximum, ..Setup::default() });
     let slot = slots(board) - 1;
     let kit = kit_of("sent", bytes);
-    let began_s = session.cable.board.now_s();
+    let began_s = session.board.now_s();
     session.send(slot, &kit).unwrap();
     session.play(Some(slot)).unwrap();
-    let took_s = session.cable.board.now_s() - began_s;
+    let took_s = session.board.now_s() - began_s;
     println!("{}: {} bytes are sent and play within {took_s:.2} s", board.name(), kit.len());
     assert_eq!(session.read(slot), kit, "{}", board.name());
     let report = session.report();

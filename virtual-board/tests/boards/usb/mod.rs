@@ -3,7 +3,7 @@
 mod conversation;
 mod descriptors;
 mod host;
-mod link;
+pub(crate) mod link;
 mod packets;
 mod song;
 mod times;
