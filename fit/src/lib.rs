@@ -22,7 +22,6 @@ pub mod synthetic;
 pub mod table;
 
 mod analytic;
-mod band;
 mod decay;
 mod error;
 mod joint;
