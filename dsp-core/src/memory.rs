@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! Plan::of(kit, rate, limits)        counts words with a Memory that only counts
-//! Engine::new(kit, plan, memory)     takes the same slices, in the same order, from one that has words
+//! Engine::new(kit, plan, memory)     takes the same slices in the same order from one with words
 //! ```
 //!
 //! Both go through [`Memory::take`], so that a plan's words are those that the engine then takes.
@@ -109,8 +109,8 @@ impl<'m> Memory<'m> {
         Self { fast, bulk, left, used: Words::default(), only_counts: false }
     }
 
-    /// Makes a count of words up to a limit. It gives empty slices, and takes as many words for each
-    /// as a memory does.
+    /// Makes a count of words up to a limit. It gives empty slices, and takes as many words for
+    /// each as a memory does.
     pub const fn count(limit: Words) -> Self {
         Self { fast: &mut [], bulk: &mut [], left: limit, used: Words { fast: 0, bulk: 0 }, only_counts: true }
     }

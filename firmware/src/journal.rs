@@ -32,8 +32,8 @@ pub fn begin(lines: Log, kit: Kit<'static>) {
     JOURNAL.lock(|place| *place.borrow_mut() = Some(journal));
 }
 
-/// Logs the lines of the audio interrupt that wait. Later lines name the pads of `next`, if there is
-/// one.
+/// Logs the lines of the audio interrupt that wait. Later lines name the pads of `next`, if there
+/// is one.
 pub fn pass_on(next: Option<Kit<'static>>) {
     JOURNAL.lock(|journal| {
         let Ok(mut journal) = journal.try_borrow_mut() else { return };

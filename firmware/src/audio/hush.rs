@@ -49,7 +49,8 @@ impl Hushed {
     /// Changes the settings of the inputs.
     ///
     /// # Errors
-    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes then.
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes
+    /// then.
     pub fn set_inputs(&mut self, kit: &Kit<'static>, board: &Overrides) -> Result<(), TriggerError> {
         self.0.inputs.set(kit, board)
     }

@@ -19,7 +19,8 @@ use crate::usb::{self, Incoming, Outgoing};
 const PACKETS_PER_HALF: usize = 16;
 /// Core cycles of a frame of the output.
 const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;
-/// Channel on which strikes go out unless the settings name another, counted from 0: users know it as channel 10.
+/// Channel on which strikes go out unless the settings name another, counted from 0: users know it
+/// as channel 10.
 const CHANNEL_OUT: u8 = 9;
 
 /// Ends of the MIDI queues, with the state of both directions.

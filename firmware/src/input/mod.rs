@@ -203,7 +203,8 @@ impl Inputs {
     /// started anew ([`forget_anchor`](Self::forget_anchor)).
     ///
     /// # Errors
-    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes then.
+    /// [`TriggerError`] if a trigger or a button cannot be set as the kit says. Nothing changes
+    /// then.
     // Not inlined: the settings that are built here must not add to the stack of a load.
     #[inline(never)]
     pub fn set(&mut self, kit: &Kit<'_>, board: &Overrides) -> Result<(), TriggerError> {

@@ -285,7 +285,7 @@ fn lines_that_nobody_fetches_are_dropped_whole_and_counted() {
     let (played, missing) = (number("second: ", "strikes "), number("faults: ", "unlogged lines "));
     println!("{played} strikes, {told} told, {missing} lines are missing");
     assert!(missing > 20, "{missing}");
-    // Lines of other kinds may be missing too, and strikes of the last moment may wait in the queue.
+    // Lines of other kinds may be missing too, and the last strikes may wait in the queue.
     assert!(played <= told + missing + 4, "{played} {told} {missing}");
 }
 

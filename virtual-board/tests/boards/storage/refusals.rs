@@ -83,7 +83,7 @@ fn kit_that_the_board_cannot_load_is_refused_and_the_old_kit_plays() {
     let mut kit = kit::open("demo").unwrap().kit;
     kit.name = "too large".to_owned();
     let mode = kit.objects[0].modes[0].clone();
-    kit.objects[0].modes = (0..4000).map(|n| kit::Mode { frequency_hz: 100.0 + n as f32, ..mode.clone() }).collect();
+    kit.objects[0].modes = (0..2400).map(|n| kit::Mode { frequency_hz: 100.0 + n as f32, ..mode.clone() }).collect();
     let large = kit::binary::build(&kit).unwrap();
     let mut session = Session::start(board, Setup::default());
     assert_eq!(refusal(session.send(0, &large)), Refusal::NotLoadable);
