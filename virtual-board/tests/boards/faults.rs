@@ -138,7 +138,7 @@ fn a_debugger_may_halt_the_core_for_a_second_and_the_board_plays_on() {
 fn a_board_whose_halves_are_late_leaves_more_modes_out_until_they_are_in_time() {
     let half_s = 32.0 * 1792.0 / 86e6;
     let (from_s, halves) = (0.4, 1500);
-    let stall = |n: u32| Fault::CoreStalled { at_s: from_s + half_s * f64::from(n), for_s: 0.7 * half_s };
+    let stall = |n: u32| Fault::CoreStalled { at_s: from_s + half_s * f64::from(n), for_s: 0.75 * half_s };
     let hits =
         |piezo: usize| (0..30).map(|n| (0.38 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9)).collect::<Vec<_>>();
     let piezos = (0..4).map(|piezo| signal(piezo, 1.5, &hits(piezo))).collect();
