@@ -38,11 +38,12 @@ fn kits_that_a_board_cannot_take_are_refused_by_name_and_the_old_kit_plays() {
         // The slot of the kit that plays is written last: on the BlackPill its kit is gone then.
         let header = |kit: &[u8]| *kit.first_chunk::<16>().unwrap();
         let begin = |session: u32, slot, kit: &[u8]| Request::Begin { session, slot, header: header(kit) };
-        let mut told = Vec::new();
-        told.push(refusal(session.ask(begin(1, slots(board), &good))));
-        told.push(refusal(session.ask(begin(1, last, &newer))));
-        told.push(refusal(session.ask(begin(1, last, &long))));
-        told.push(refusal(session.ask(Request::Chunk { session: 1, number: 0, bytes: &good[16..256] })));
+        let mut told = vec![
+            refusal(session.ask(begin(1, slots(board), &good))),
+            refusal(session.ask(begin(1, last, &newer))),
+            refusal(session.ask(begin(1, last, &long))),
+            refusal(session.ask(Request::Chunk { session: 1, number: 0, bytes: &good[16..256] })),
+        ];
         assert!(plays(&mut session), "{}", board.name());
         session.ask(begin(1, last, &good)).unwrap();
         told.push(refusal(session.ask(begin(2, last, &good))));
