@@ -39,7 +39,7 @@ fn typical(seconds: f64) -> Setup {
 /// Plays for five seconds, or as many as the environment variable `SECONDS` says.
 fn play(board: Board) {
     let seconds = std::env::var("SECONDS").ok().and_then(|seconds| seconds.parse().ok()).unwrap_or(5.0);
-    let running = common::run(board, &typical(seconds), seconds + 0.9);
+    let running = common::run(board, &typical(seconds), seconds + 1.4);
     let kit = kit::open("demo").unwrap().binary;
     let same = assert_same_bits(&running, board, &kit);
     let played = events(&running, &Kit::parse(&kit).unwrap(), rate(board));
