@@ -70,7 +70,8 @@ pub(super) fn decode(address: u32, bytes: u8, insn: Insn) -> Instruction {
             };
             let base = if load { writes(Kind::Load, bytes, rt) } else { of(store) };
             let writeback = if wback { core(rn) } else { 0 };
-            Instruction { address: core(rn) | index, writeback, operands: [rt, 0], ..base }
+            let operands = if load { [0; 2] } else { [rt, 0] };
+            Instruction { address: core(rn) | index, writeback, operands, ..base }
         }
         Insn::LoadLiteral { rt, imm, add, .. } => {
             Instruction { target: literal(address, imm, add), ..writes(Kind::Load, bytes, rt) }

@@ -133,9 +133,11 @@ impl<'a> Line<'a> {
                     _ => &[],
                 };
                 let literal = load && memory.core == [15];
+                let stored = if shape == Shape::Store { destinations.core.first().copied() } else { None };
                 Instruction {
                     flow: jump_if(written),
                     words: if destinations.double { 2 } else { 0 },
+                    operands: [stored.unwrap_or(0), 0],
                     address: core(&memory.core),
                     result: core(written),
                     writeback: if updates { core(&memory.core[..1]) } else { 0 },
