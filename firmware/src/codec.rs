@@ -21,9 +21,10 @@ const HEADPHONES: [u8; 2] = [0x22, 0x23];
 /// Registers, bits and their values that are written before power-up, in this order. Other bits
 /// keep what the reset left there.
 ///
-/// First come the initialisation settings that the datasheet requires (section 4.11), of which two
-/// concern bit 7 of a register alone. Then the headphones are switched on and the speakers off. The
-/// codec detects its clock, takes I2S of up to 24 bits, and plays the headphones 12 dB down.
+/// The first rows are the initialisation settings that the datasheet requires (section 4.11); two
+/// of them change only bit 7 of their register. The next rows switch the headphones on and the
+/// speakers off. The last ones let the codec detect its clock, choose I2S of up to 24 bits, and
+/// turn the headphones down by 12 dB.
 const BEFORE_POWER_UP: [(u8, u8, u8); 11] = [
     (0x02, ALL, 0x01),
     (0x00, ALL, 0x99),

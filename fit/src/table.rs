@@ -31,10 +31,12 @@ pub struct Provenance {
 /// The object and its striker as a kit without pads.
 ///
 /// From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
-/// velocity 1. With a measured force there are gains at all positions, and velocity 1 is the
-/// loudest strike. The reference force is the peak force if that is above 1, so that the force bus,
-/// whose full scale is 16 times the reference force, never clips at velocity 1. Otherwise it is 1:
-/// the recorded force, played as a direct one, then has its own level.
+/// velocity 1. With a measured force the table has gains at all positions, and a strike at
+/// velocity 1 has the peak force of the loudest recorded one.
+///
+/// The reference force is that peak force, but at least 1. The full scale of the force bus is 16
+/// times the reference force, so that no strike at velocity 1 clips it. A recorded force with a
+/// peak of at most 1, played as a direct force, keeps its own level.
 pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     let name = item_name(&provenance.name, "");
     let strike = fit.strikes.get(fit.loudest);

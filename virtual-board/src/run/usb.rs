@@ -13,8 +13,7 @@ impl VirtualBoard {
     /// ```no_run
     /// use virtual_board::{UsbAction, VirtualBoard};
     ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let mut board: VirtualBoard = todo!();
+    /// # fn identify(board: &mut VirtualBoard) -> Result<(), Box<dyn std::error::Error>> {
     /// let identity_request = [[0x04, 0xf0, 0x7e, 0x7f], [0x07, 0x06, 0x01, 0xf7]];
     /// board.usb(UsbAction::Send(identity_request.as_flattened().to_vec()));
     /// let before = board.usb_received(0).len();
@@ -23,6 +22,7 @@ impl VirtualBoard {
     /// }
     /// # Ok(())
     /// # }
+    /// # fn main() {}
     /// ```
     pub fn usb(&mut self, action: UsbAction) {
         let now_s = self.now_s();
