@@ -14,8 +14,8 @@ use sequential_storage::map::{MapConfig, MapStorage};
 
 use super::flash::{Flash, FlashError};
 use crate::audio;
-use crate::board::{SETTINGS_SECTORS, SLOTS};
 use crate::board::sector::Sector;
+use crate::board::{SETTINGS_SECTORS, SLOTS};
 use crate::input::Overrides;
 use crate::input::piezo::CHANNELS;
 
