@@ -4,6 +4,7 @@ use core::num::NonZeroU32;
 
 use super::shape::{MAX_SHAPE, SHAPE_BITS, cos_half_pi_sqrt, negated_square, sinc_half_pi_sqrt};
 use crate::fixed::{self, Log2, ONE_Q27};
+use crate::square_root::rounded_root;
 
 /// Phase at the end of a contact, 1.0.
 ///
@@ -64,8 +65,8 @@ impl Pulse {
         let skew = (1.0 - slopes) / (1.0 + slopes);
         // The force is largest at 2A cos²(πx) + cos(πx) - A = 0. The product of both factors below
         // is 1 to 1.3.
-        let cosine = 2.0 * skew / (1.0 + libm::sqrtf(1.0 + 8.0 * skew * skew));
-        let scale = 1.0 / (libm::sqrtf(1.0 - cosine * cosine) * (1.0 + skew * cosine));
+        let cosine = 2.0 * skew / (1.0 + rounded_root(1.0 + 8.0 * skew * skew));
+        let scale = 1.0 / (rounded_root(1.0 - cosine * cosine) * (1.0 + skew * cosine));
         let q31 = |value: f32| (value * (1u32 << 31) as f32) as u32;
         Self::Hertz(Asymmetry {
             skew: q31(skew).min(i32::MAX as u32) as i32, // `as` saturates
