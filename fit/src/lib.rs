@@ -22,6 +22,7 @@ pub mod synthetic;
 pub mod table;
 
 mod analytic;
+mod band;
 mod decay;
 mod error;
 mod joint;

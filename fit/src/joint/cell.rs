@@ -3,8 +3,8 @@
 //! The modes have a fixed power m in the cell, the noise has the mean power n and is drawn at
 //! random. The sum of both has the mean `p = m + n` and the relative variance
 //! `r = (n² + 2mn)/(c p²)` with c independent complex values in the cell. A gamma distribution
-//! with these moments has `E ln P = ln p + ψ(1/r) + ln r` and `Var ln P = ψ'(1/r)`. For r from 0 to 1
-//! they are `ln p - r/2 - r²/12` and `r + r²/2 + r³/6`, within 0.03 dB and 0.5 dB². The gamma
+//! with these moments has `E ln P = ln p + ψ(1/r) + ln r` and `Var ln P = ψ'(1/r)`. For r from 0
+//! to 1 they are `ln p - r/2 - r²/12` and `r + r²/2 + r³/6`, within 0.03 dB and 0.5 dB². The gamma
 //! distribution itself is within 15 % of the expected square over all draws.
 
 /// Decibels in a neper of power.

@@ -3,8 +3,8 @@
 use fourier::Complex;
 
 use super::objective::{BandSlope, Objective};
+use crate::band::Band;
 use crate::modes::{Gains, Pole};
-use crate::residual::Band;
 
 /// First steps of a mode: two of its gain, relative to it, of its frequency, in units of
 /// [`unit`], and of ln decay.

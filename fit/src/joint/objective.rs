@@ -6,8 +6,8 @@ use super::noise::{Fall, NoiseGrid};
 use super::response::Response;
 use super::spectra::{Shape, Slopes, Spectra};
 use super::split::Split;
+use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
-use crate::residual::Band;
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.

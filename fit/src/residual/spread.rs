@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::band::Band;
 use super::table::with_residual;
+use crate::band::Band;
 use crate::distance::{Spectrogram, band_power};
 use crate::error::FitError;
 use crate::{render, table};

@@ -2,7 +2,7 @@
 
 use kit::{Kit, Residual};
 
-use super::band::Band;
+use crate::band::Band;
 
 /// Highest edge of a residual band in a table, in Hz: every rate of 44.1 kHz and more plays it.
 const HIGHEST_EDGE_HZ: f64 = 20_000.0;

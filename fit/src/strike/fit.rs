@@ -3,9 +3,9 @@
 use nalgebra::Complex;
 use serde::Serialize;
 
+use crate::band::Band;
 use crate::bins::BINS;
 use crate::modes::{Gains, Settings as ModeSettings};
-use crate::residual::Band;
 use crate::segment::Hit;
 
 /// Estimator of the modes.

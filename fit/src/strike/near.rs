@@ -6,6 +6,7 @@
 use nalgebra::Complex;
 
 use super::audible::{Chosen, are_one};
+use crate::band::{Band, usual_edges_hz};
 use crate::distance::{Spectrogram, band_power};
 use crate::hearing::Loudness;
 use crate::joint::{Descent, Sounding};
@@ -13,7 +14,6 @@ use crate::modes::{
     Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
     filled, refine,
 };
-use crate::residual::{Band, usual_edges_hz};
 
 /// Share of a strike's energy that audible modes leave, below which modes may explain all of it.
 const LITTLE: f64 = 0.03;
