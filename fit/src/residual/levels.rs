@@ -272,6 +272,7 @@ impl Levels {
 mod tests {
     use super::super::table::with_residual;
     use super::*;
+    use crate::band::usual_edges_hz;
     use crate::distance::ErbLevels;
     use crate::random::SplitMix64;
     use crate::table;
