@@ -138,9 +138,10 @@ impl Spectra {
             let [a, b, c] = [-1, 0, 1].map(|offset| self.pole_response(z, centre + offset));
             (b * 0.5 - (a + c) * 0.25).norm()
         };
-        // The shape falls by the third power of the distance once that exceeds the mode's width.
-        let width = -response.log_pole.re / std::f64::consts::TAU * size as f64;
-        let reach = (1.5 + (0.15 / (peak * NEGLIGIBLE)).cbrt().min((width + 1.0) * 60.0)).ceil() as i64;
+        // x bins from the centre the shape is at most N/(4πx³): the window's second difference of
+        // D, which is N/(2πx) there.
+        let skirt = size as f64 / (2.0 * std::f64::consts::TAU);
+        let reach = (1.5 + (skirt / (peak * NEGLIGIBLE)).cbrt()).ceil().min(size as f64) as i64;
         let (from, to) = ((centre - reach).max(lowest), (centre + reach).min(highest));
         let values: Vec<C64> = (from - 1..=to + 1).map(|bin| self.pole_response(z, bin)).collect();
         let (mut hann, mut hann_slope) = (Split::default(), Split::default());
