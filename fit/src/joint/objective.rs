@@ -11,7 +11,7 @@ use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
-const LSD_WEIGHT: f64 = 1.0;
+const LSD_WEIGHT: f64 = 2.0;
 /// Weights of the ERB distance: of the whole strike, and of its first 0.25 s.
 const ERB_WEIGHT: f64 = 1.0;
 const EARLY_ERB_WEIGHT: f64 = 0.5;
