@@ -112,7 +112,8 @@ pub struct Report {
     pub is_exact: bool,
     /// Standard deviations of each mode's numbers in the noise that the modes leave.
     ///
-    /// The modes are in order of frequency. Empty if two modes cannot be told apart.
+    /// The modes are in order of frequency. Empty if two modes cannot be told apart, and for the
+    /// bins estimator, whose modes are bins of a spectrum.
     pub deviations: Vec<Bounds>,
     /// Residual bands of the table: what the modes lack of the loudest strike.
     ///
@@ -266,7 +267,12 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         hearing_of_modes,
         partials: partials(&judge, &whole, &sounding),
         is_exact: fit.is_exact,
-        deviations: modes::standard_deviations_in(&sounding, &left, recording.rate_hz).unwrap_or_default(),
+        deviations: match options.strike.estimator {
+            strike::Estimator::Modal => modes::standard_deviations_in(&sounding, &left, recording.rate_hz),
+            // A thousand modes would take a minute.
+            strike::Estimator::Bins => None,
+        }
+        .unwrap_or_default(),
         residual_bands,
         estimator: options.strike.estimator,
         damping_law: bark::damping_law(heard, recording.rate_hz),
