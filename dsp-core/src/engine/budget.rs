@@ -206,7 +206,12 @@ impl<S: Sample> Engine<'_, '_, S> {
             Action::Strike => {
                 let filters = (CostItem::ResidualCycle, self.filter_strike_cycles(event.pad));
                 let noise = (CostItem::ResidualStrike, u32::from(self.has_noise(event.pad)));
-                [(CostItem::Strike, 1), noise, filters, (CostItem::MovedMode, self.moved_modes(event))]
+                [
+                    (CostItem::Strike, 1),
+                    noise,
+                    filters,
+                    (CostItem::MovedMode, self.moved_modes(event.pad, event.position)),
+                ]
             }
             Action::Shed(_) => {
                 let [survey, groups] = self.survey_counts();
@@ -217,10 +222,17 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
+    /// Time in which a strike of a pad would move the pad to its position, as the number of strikes
+    /// that take as long, rounded up; 0 if the pad has one position, or is there. NaN is a position
+    /// where no pad is.
+    pub fn moving_strikes(&self, pad: u8, position: f32) -> u32 {
+        (self.moved_modes(pad, position) * CostItem::MovedMode.cycles()).div_ceil(CostItem::Strike.cycles())
+    }
+
     /// Number of modes whose gains a strike derives anew.
-    fn moved_modes(&self, event: &Event) -> u32 {
-        let Some(voice) = self.voices.get(usize::from(event.pad)) else { return 0 };
-        let place = voice.place_of(event.position, |slot| self.contacts.is_any_in(event.pad, slot));
+    fn moved_modes(&self, pad: u8, position: f32) -> u32 {
+        let Some(voice) = self.voices.get(usize::from(pad)) else { return 0 };
+        let place = voice.place_of(position, |slot| self.contacts.is_any_in(pad, slot));
         match (place.moves, voice.frames()) {
             (false, _) => 0,
             // A head between two others takes as long as the gains of eight modes.

@@ -1,6 +1,7 @@
 //! From a mode's frequency and decay to the coefficients of its form.
 
 use crate::SampleRate;
+use crate::square_root::rounded_root;
 use crate::{exponential, quarter_turn};
 
 /// Arithmetic of a mode, chosen by the mode's step `e` (see [`Pole::new`]).
@@ -135,7 +136,7 @@ impl Turn {
             Form::Coupled => coupled_difference(coefficients),
             _ => e - half,
         };
-        let radius_sine = libm::sqrtf((difference * (e + half)).max(f32::MIN_POSITIVE));
+        let radius_sine = rounded_root((difference * (e + half)).max(f32::MIN_POSITIVE));
         Self { delta, e, e_squared, gap_cosine: half, radius_sine }
     }
 }
@@ -198,13 +199,13 @@ impl Coefficients {
         let unit = TWO_POW_32 as f32;
         let (delta, e, e_squared) = steps(form, self);
         let choked = choke_delta as f32 / unit;
-        let (radius, choked_radius) = (libm::sqrtf(1.0 - delta), libm::sqrtf(1.0 - choked));
+        let (radius, choked_radius) = (rounded_root(1.0 - delta), rounded_root(1.0 - choked));
         // 1 - r = δ / (1 + r) does not cancel, nor does the difference of both δ in Q32.
         let (gap, choked_gap) = (delta / (1.0 + radius), choked / (1.0 + choked_radius));
         let lost = (choke_delta - self.delta) as f32 / unit / (radius + choked_radius); // r - r'
         let change = lost * (gap + choked_gap - (e - gap) * (e + gap) / radius);
         let epsilon = match form {
-            Form::Coupled => change / (e + libm::sqrtf((e_squared + change).max(0.0))),
+            Form::Coupled => change / (e + rounded_root((e_squared + change).max(0.0))),
             _ => change / (1u32 << form.shift()) as f32,
         };
         // A step below 1/2 moves by less than 1/2; e' is not negative.
@@ -261,7 +262,7 @@ fn steps(form: Form, coefficients: Coefficients) -> (f32, f32, f32) {
         Form::Coupled => (delta, epsilon, epsilon * epsilon),
         _ => {
             let e_squared = epsilon * (1u32 << form.shift()) as f32;
-            (delta, libm::sqrtf(e_squared), e_squared)
+            (delta, rounded_root(e_squared), e_squared)
         }
     }
 }

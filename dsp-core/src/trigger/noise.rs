@@ -4,8 +4,9 @@ use super::units::{COUNT, scale_q8};
 
 /// Mean of the envelope while nothing is struck, in signal units.
 ///
-/// It falls at once but rises only if no strike has rung for a while, so that a roll is not
-/// mistaken for noise.
+/// It rises only if no strike has rung for a while, so that a roll is not mistaken for noise. Until
+/// then it falls only for an envelope below half of it: following each dip of steady noise and no
+/// rise, it would sink in a roll until noise counts as strikes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseFloor {
     mean_q12: i32,
@@ -65,7 +66,7 @@ impl NoiseFloor {
     pub(super) fn tick(&mut self, envelope: i32, warming_up: bool) {
         self.quiet_ticks = self.quiet_ticks.saturating_add(1);
         let error = (envelope << 4).wrapping_sub(self.mean_q12);
-        if error < 0 || self.quiet_ticks > QUIET_TICKS {
+        if error < -(self.mean_q12 >> 1) || self.quiet_ticks > QUIET_TICKS {
             let shift = if warming_up { FAST_SHIFT } else { SHIFT };
             self.mean_q12 = self.mean_q12.wrapping_add(error >> shift);
         }

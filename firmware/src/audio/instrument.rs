@@ -19,7 +19,7 @@ pub struct Instrument {
     /// Number of strikers of each pad.
     strikers: [u8; PADS],
     waiting: Waiting,
-    /// Number of strikes that the last half began.
+    /// Work of the strikes that the last half began, in strikes.
     begun: usize,
     /// Cycles a tick that the engine may take now, and the number of halves in time since they
     /// changed.
@@ -183,6 +183,11 @@ impl Instrument {
         self.wait_for(event);
     }
 
+    /// Returns true if a message that concerns all pads would find room for its events.
+    pub(super) fn has_room(&self) -> bool {
+        self.waiting.room() >= PADS
+    }
+
     fn wait_for(&mut self, event: Event) {
         if !self.waiting.insert(event) {
             counters::REFUSED_EVENTS.add(1);
@@ -200,8 +205,10 @@ impl Instrument {
         let end = engine.now() + HALF_FRAMES as u64;
         // Contacts of the last half are still under way.
         let most = STRIKES_PER_TICK.saturating_sub(self.begun).max(STRIKES_PER_TICK.div_ceil(2));
-        self.begun = 0;
-        counters::DELAYED_STRIKES.add(self.waiting.put_off(most, end));
+        let moving = |pad, position| engine.moving_strikes(pad, position) as usize;
+        let (delayed, work) = self.waiting.put_off(most, end, moving);
+        self.begun = work;
+        counters::DELAYED_STRIKES.add(delayed);
         let events = self.waiting.before(end);
         if events.is_empty() && direct.is_none() && engine.pass_silent_tick() {
             return None;
@@ -234,7 +241,6 @@ impl Instrument {
         }
         if due > 0 {
             let strikes = events.iter().filter(|event| event.action == Action::Strike).count();
-            self.begun = strikes;
             counters::STRIKES.add(strikes as u32);
             self.waiting.pass(due);
         }

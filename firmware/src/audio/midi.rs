@@ -15,7 +15,8 @@ use crate::counters;
 use crate::half::HALF_FRAMES;
 use crate::usb::{self, Incoming, Outgoing};
 
-/// Maximum number of packets that a half takes: one full transfer. Others wait for the next half.
+/// Maximum number of packets that a half takes: one full transfer. Others wait for the next half, as
+/// do all while no more events can wait.
 const PACKETS_PER_HALF: usize = 16;
 /// Core cycles of a frame of the output.
 const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;
@@ -71,6 +72,9 @@ impl Midi {
     #[inline(never)]
     fn take_packets(&mut self, begun: u32, instrument: &mut Instrument) {
         for _ in 0..PACKETS_PER_HALF {
+            if !instrument.has_room() {
+                return;
+            }
             let Some(received) = self.incoming.take() else { return };
             // A transfer may end after the interrupt began.
             let age = begun.wrapping_sub(received.at).cast_signed() / CYCLES_PER_FRAME;

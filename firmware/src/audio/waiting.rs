@@ -15,20 +15,28 @@ impl Waiting {
     /// No events.
     pub(super) const NONE: Self = Self { events: [Event::NOTHING; WAITING], count: 0 };
 
+    /// Number of events for which there is room.
+    pub(super) fn room(&self) -> usize {
+        WAITING.saturating_sub(self.count)
+    }
+
     /// Inserts an event; returns `false` if as many events wait as can.
     pub(super) fn insert(&mut self, event: Event) -> bool {
-        let Some(waiting) = self.events.get_mut(..=self.count) else { return false };
-        // From the event's place on, each event moves one place on.
-        let mut moving = event;
-        let mut is_found = false;
-        for place in waiting.iter_mut().take(self.count) {
-            is_found |= place.time > event.time;
-            if is_found {
-                core::mem::swap(place, &mut moving);
-            }
+        if self.room() == 0 {
+            return false;
         }
-        if let Some(last) = waiting.last_mut() {
-            *last = moving;
+        // Most events come in order: the search for the place begins at the end.
+        let mut place = self.count;
+        while let Some(&before) = place.checked_sub(1).and_then(|before| self.events.get(before))
+            && before.time > event.time
+        {
+            if let Some(slot) = self.events.get_mut(place) {
+                *slot = before;
+            }
+            place -= 1;
+        }
+        if let Some(slot) = self.events.get_mut(place) {
+            *slot = event;
         }
         self.count += 1;
         true
@@ -41,20 +49,33 @@ impl Waiting {
         waiting.get(..due).unwrap_or(&[])
     }
 
-    /// Lets all events after the first `strikes` strikes that happen before a frame wait for that
-    /// frame. Returns the number of strikes that are put off.
-    pub(super) fn put_off(&mut self, strikes: usize, frame: u64) -> u32 {
-        let (mut seen, mut late) = (0, 0);
+    /// Lets all events from the first strike on for which there is no time before a frame wait for
+    /// that frame. Returns the number of strikes that are put off, and the work of the others.
+    ///
+    /// Each strike is one piece of work, and `moving` tells how many more it is because its pad has
+    /// to move to the strike's position; it is called with NaN for a pad that moves before. There is
+    /// time for `most` pieces, and for the first strike.
+    pub(super) fn put_off(&mut self, most: usize, frame: u64, moving: impl Fn(u8, f32) -> usize) -> (u32, usize) {
+        let (mut work, mut late, mut moved_pads) = (0, 0, 0u32);
         let due = self.events.iter_mut().take(self.count).take_while(|event| event.time.first_frame() < frame);
         for event in due {
             let is_strike = event.action == Action::Strike;
-            seen += usize::from(is_strike);
-            if seen > strikes {
+            if is_strike && late == 0 {
+                let bit = 1u32.checked_shl(event.pad.into()).unwrap_or(0);
+                let position = if moved_pads & bit == 0 { event.position } else { f32::NAN };
+                let more = moving(event.pad, position);
+                moved_pads |= if more > 0 { bit } else { 0 };
+                if work == 0 || work + 1 + more <= most {
+                    work += 1 + more;
+                    continue;
+                }
+            }
+            if is_strike || late > 0 {
                 event.time = Time::at_frame(frame);
                 late += u32::from(is_strike);
             }
         }
-        late
+        (late, work)
     }
 
     /// Removes the first `due` events.

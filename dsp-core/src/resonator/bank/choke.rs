@@ -40,6 +40,11 @@ const fn reserve(is_coupled: bool) -> f64 {
 /// = 1/8.
 const GAIN_GROWTH: f32 = 1.04;
 
+/// Factor by which the largest gain of a table may grow.
+pub(super) fn gain_growth(table: &BankTable<'_>) -> f32 {
+    if table.choke_t60_s > 0.0 { GAIN_GROWTH } else { 1.0 }
+}
+
 /// State of a bank's hand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChokeState {
@@ -115,11 +120,6 @@ impl Choke {
         let choked = pole.coefficients.choked(pole.form, self.delta);
         let share = q32_change_of_u(pole.coefficients, choked, LARGEST_SHARE);
         Origin { share: share.unwrap_or(0), ..Origin::new(pole.form, choked, index) }
-    }
-
-    /// Factor by which the largest gain may grow.
-    pub(super) fn gain_growth(&self) -> f32 {
-        if self.delta > 0 { GAIN_GROWTH } else { 1.0 }
     }
 
     /// Initial state of the hand of a table's bank; `origins` are those of its modes.

@@ -5,7 +5,7 @@ use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of, rendered};
 use super::super::table::{BankError, BankTable};
-use super::choke::Choke;
+use super::choke::{Choke, gain_growth};
 use super::origin::{Origin, set_order};
 use super::state::Bank;
 use crate::SampleRate;
@@ -97,7 +97,7 @@ impl<'m> Bank<'m> {
             }
             let gain = gain_law(table, rate, 0.0);
             let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()), |_, mode| mode.coefficients);
-            group_slot.set_gains(group_modes, choke.gain_growth(), gains);
+            group_slot.set_gains(group_modes, gain_growth(table), gains);
             group_slot.schedule_guards(group_modes);
             start += count;
         }

@@ -15,7 +15,7 @@ use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::{InputGain, Mode};
 use super::super::table::BankTable;
-use super::choke::Choke;
+use super::choke::gain_growth;
 use super::origin::Origin;
 use super::slot::Place;
 use super::state::{Bank, for_each_group};
@@ -79,7 +79,7 @@ impl<'m> Bank<'m> {
         }
         let mut seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
         let gain = gain_law(table, rate, position);
-        let gain_growth = Choke::new(table, rate).gain_growth();
+        let growth = gain_growth(table);
         let (mut rest, mut taken) = (&*self.origins, 0.0);
         for_each_group(self.modes, self.groups, |group, modes| {
             let (origins, later) = rest.split_at_checked(modes.len()).unwrap_or((rest, &[]));
@@ -105,7 +105,7 @@ impl<'m> Bank<'m> {
                 *injection = derived(slot, mode);
             }
             let injected = |slot: usize| injections.get(slot).copied().unwrap_or((0.0, 0.0));
-            let scale = Group::gain_scale(group.form(), modes.len(), gain_growth, injected);
+            let scale = Group::gain_scale(group.form(), modes.len(), growth, injected);
             for (slot, gain) in moved.iter_mut().enumerate().take(modes.len()) {
                 *gain = scale.mantissas(injected(slot));
                 if let (Some(mode), Some(origin)) = (modes.get(slot), origins.get(slot)) {
@@ -117,7 +117,7 @@ impl<'m> Bank<'m> {
                 let other = if is_second { modes.get(slot).map(|mode| mode.gain) } else { second.get(slot).copied() };
                 *gain = other.unwrap_or_default();
             }
-            group.share_gains(scale, &mut moved, &mut kept, gain_growth);
+            group.share_gains(scale, &mut moved, &mut kept, growth);
             let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
             modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
             second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = gain);

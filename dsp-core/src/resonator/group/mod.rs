@@ -9,6 +9,7 @@ use super::coefficient::{Form, Orbit};
 use super::headroom::GROWTH_OF_V;
 use super::mode::{InputGain, Mode};
 use crate::fixed;
+use crate::square_root::rounded_root;
 
 /// Smallest block exponent: a state of `LIMIT` then stands for 2^26 times full scale.
 const MIN_EXPONENT: i32 = -24;
@@ -282,7 +283,7 @@ impl Group {
                 return None;
             }
             let (sine, cosine) = Orbit::new(self.form(), mode.coefficients).phases(u, v);
-            let amplitude = libm::sqrtf(sine * sine + cosine * cosine);
+            let amplitude = rounded_root(sine * sine + cosine * cosine);
             if amplitude.is_nan() || amplitude > threshold {
                 return None;
             }

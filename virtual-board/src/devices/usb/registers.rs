@@ -12,6 +12,8 @@ const NOVBUSSENS: u32 = 1 << 21;
 const SDIS: u32 = 1 << 1;
 /// GRSTCTL.RXFFLSH and TXFFLSH.
 const FLUSHES: u32 = 3 << 4;
+/// GRSTCTL.AHBIDL: the core's master is idle. Read-only.
+const AHBIDL: u32 = 1 << 31;
 /// Time that flushing a FIFO takes: 8 periods of the 48 MHz clock.
 const FLUSH_S: f64 = 8.0 / 48e6;
 /// GHWCFG4 as silicon has it.
@@ -43,7 +45,7 @@ impl Usb {
                 if context.seconds >= self.flush.1 {
                     self.flush.0 &= !FLUSHES;
                 }
-                self.flush.0 | 1 << 31
+                self.flush.0 | AHBIDL
             }
             0x014 => self.all_flags(),
             0x018 => self.mask,
@@ -158,7 +160,9 @@ impl Usb {
 
     /// Writes GRSTCTL, which flushes FIFOs.
     fn write_reset(&mut self, value: u32, context: &Context<'_>) -> Access<()> {
-        only("GRSTCTL", value, FLUSHES | 0x1f << 6)?;
+        only("GRSTCTL", value, FLUSHES | 0x1f << 6 | AHBIDL)?;
+        // The idle bit can be read alone; a driver writes back what it read.
+        let value = value & !AHBIDL;
         self.flush = (value, context.seconds + FLUSH_S);
         if value & 1 << 4 != 0 {
             self.received.flush();

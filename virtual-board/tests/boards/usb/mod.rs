@@ -6,6 +6,7 @@ mod host;
 pub(crate) mod link;
 mod packets;
 mod song;
+mod storms;
 mod times;
 
 use crate::common;
