@@ -6,6 +6,7 @@ pub mod bins;
 pub mod contact;
 pub mod distance;
 pub mod dynamic_filter;
+pub mod hearing;
 pub mod material;
 pub mod modes;
 pub mod recording;
@@ -20,8 +21,11 @@ pub mod strike;
 pub mod synthetic;
 pub mod table;
 
+mod analytic;
+mod band;
 mod decay;
 mod error;
+mod joint;
 mod random;
 
 pub use error::FitError;

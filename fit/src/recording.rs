@@ -8,7 +8,8 @@ use crate::audio::{self, Recording};
 use crate::contact;
 use crate::distance::lsd_window;
 use crate::error::FitError;
-use crate::modes::DampedSine;
+use crate::hearing::{Heard, Scores};
+use crate::modes::{self, Bounds, DampedSine};
 use crate::stages::{MOST_RISE_DB, PlayedTable, RecordedStrike, is_worth_its_room};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
@@ -45,6 +46,8 @@ pub struct Fitted {
     ///
     /// They are in the table's order.
     pub sounding: Vec<DampedSine>,
+    /// The loudest strike as it is heard.
+    pub heard: Heard,
     /// Figures of the fit.
     pub report: Report,
 }
@@ -99,6 +102,19 @@ pub struct Report {
     ///
     /// `None` if the table has no room.
     pub room_level_db: Option<f64>,
+    /// Measures of hearing of dsp-core's rendering of the whole table, with the table's own noise.
+    pub hearing: Scores,
+    /// Measures of hearing of dsp-core's rendering of the modes alone.
+    pub hearing_of_modes: Scores,
+    /// Audible partials of the loudest strike.
+    pub partials: Vec<PartialReport>,
+    /// True if the modes explain the strike down to its noise floor.
+    pub is_exact: bool,
+    /// Standard deviations of each mode's numbers in the noise that the modes leave.
+    ///
+    /// The modes are in order of frequency. Empty if two modes cannot be told apart, and for the
+    /// bins estimator, whose modes are bins of a spectrum.
+    pub deviations: Vec<Bounds>,
     /// Residual bands of the table: what the modes lack of the loudest strike.
     ///
     /// Empty if they bring the sound no nearer; the bins estimator has them anyhow.
@@ -116,6 +132,21 @@ pub struct Report {
     pub room: Option<room::Room>,
     /// Duration of the fit in seconds.
     pub seconds: f64,
+}
+
+/// An audible partial, and what the table has in its place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PartialReport {
+    /// Beginning of the spectrum of 8192 samples in which it is heard, in seconds from the onset.
+    pub at_s: f64,
+    /// Frequency in Hz, a whole number of bins.
+    pub frequency_hz: f64,
+    /// Level in dB SPL, if the strike's loudest partial has 85 dB.
+    pub level_db: f64,
+    /// Level of the rendering over that of the recording in dB.
+    pub error_db: f64,
+    /// Frequency of the nearest mode in Hz if it is within 0.5 % or one bin.
+    pub mode_hz: Option<f64>,
 }
 
 /// Figures of one strike.
@@ -180,7 +211,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         strike::Estimator::Modal => stage.with_residual(played, most_lsd_db),
         strike::Estimator::Bins => stage.with_prior(played, most_lsd_db),
     };
-    let dry = with_noise(modes)?;
+    let dry = if fit.noise.is_empty() { with_noise(modes)? } else { stage.with_noise(modes, &fit.noise)? };
     let with_residual = dry.0.distances;
     let room = room::estimate(heard, recording.rate_hz);
     let wet = match &room {
@@ -196,11 +227,16 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         }
     }
     let (PlayedTable { table, sound: whole, .. }, residual_bands) = best;
+    let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
+    let hearing_of_modes = judge.scores(&rendering);
+    let hearing =
+        if residual_bands.is_empty() && table.room.is_empty() { hearing_of_modes } else { judge.scores(&whole) };
     let range = |of: fn(&strike::Mode) -> f64| {
         let values = fit.modes.iter().map(of);
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
     };
     let sounding = sounding(&fit);
+    let left: Vec<f64> = heard.iter().zip(&rendering).map(|(heard, given)| heard - given).collect();
     let report = Report {
         input: path.to_owned(),
         rate_hz: recording.rate_hz,
@@ -227,6 +263,16 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         erb_with_residual_db: with_residual.erb_db,
         erb_with_room_db: with_room.map(|distances| distances.erb_db),
         room_level_db,
+        hearing,
+        hearing_of_modes,
+        partials: partials(&judge, &whole, &sounding),
+        is_exact: fit.is_exact,
+        deviations: match options.strike.estimator {
+            strike::Estimator::Modal => modes::standard_deviations_in(&sounding, &left, recording.rate_hz),
+            // A thousand modes would take a minute.
+            strike::Estimator::Bins => None,
+        }
+        .unwrap_or_default(),
         residual_bands,
         estimator: options.strike.estimator,
         damping_law: bark::damping_law(heard, recording.rate_hz),
@@ -234,7 +280,25 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         room,
         seconds: start.elapsed().as_secs_f64(),
     };
-    Ok(Fitted { recording, fit, table, rendering, whole, sounding, report })
+    Ok(Fitted { recording, fit, table, rendering, whole, sounding, heard: judge, report })
+}
+
+/// Audible partials beside a rendering and its modes.
+fn partials(heard: &Heard, rendering: &[f64], modes: &[DampedSine]) -> Vec<PartialReport> {
+    let errors_db = heard.partials().errors_db(rendering);
+    let reports = heard.partials().all().zip(errors_db).map(|(partial, error_db)| {
+        let distance = |mode: &&DampedSine| (mode.frequency_hz - partial.frequency_hz).abs();
+        let nearest = modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let reach_hz = (0.005 * partial.frequency_hz).max(heard.partials().bin_hz());
+        PartialReport {
+            at_s: partial.at_s,
+            frequency_hz: partial.frequency_hz,
+            level_db: partial.level_db,
+            error_db,
+            mode_hz: nearest.filter(|mode| distance(mode) <= reach_hz).map(|mode| mode.frequency_hz),
+        }
+    });
+    reports.collect()
 }
 
 /// Modes of the loudest strike as they sound after its contact, extrapolated to its onset.

@@ -24,6 +24,8 @@ const ABOVE_NOISE: f64 = 100.0;
 const BELOW_LOUDEST: f64 = 1e-3;
 /// Time in seconds after a strike in which another is taken for its bounce.
 const BOUNCE_S: f64 = 0.06;
+/// Length in seconds up to which a recording may end before its strike has died away.
+const CUT_S: f64 = 0.12;
 /// Least length of a strike in seconds.
 const SHORTEST_S: f64 = 0.015;
 
@@ -31,7 +33,7 @@ const SHORTEST_S: f64 = 0.015;
 ///
 /// A strike is a rise by 12 dB over the 20 ms before it. Rises within 60 ms of a strike are its
 /// bounces, which a note reports. A recording that begins at its loudest, and dies away, begins
-/// with a strike.
+/// with a strike. Without any rise of 12 dB, a recording that dies away by 12 dB is one strike.
 ///
 /// # Errors
 /// [`FitError::Silence`], [`FitError::NoOnset`], or [`FitError::Clipped`] if more than a tenth of
@@ -87,10 +89,17 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let mut hits: Vec<Hit> = Vec::new();
     for (index, &onset) in onsets.iter().enumerate() {
         let end = onsets.get(index + 1).map_or(samples.len(), |next| next.saturating_sub(size));
-        // Noise that does not decay is no strike.
-        if end > onset && fades(onset, end) {
+        // Noise that does not decay is no strike; a sound that is cut soon after has no time to.
+        let is_cut = end == samples.len() && ((end - onset) as f64) < CUT_S * recording.rate_hz;
+        if end > onset && (fades(onset, end) || is_cut) {
             hits.push(Hit { onset, end });
         }
+    }
+    if hits.is_empty()
+        && let Some(hit) = without_onset(&power, floor, loudest, size, samples.len())
+    {
+        notes.push(Note::NoOnset { at_s: hit.onset as f64 / recording.rate_hz });
+        hits.push(hit);
     }
     let Some(first) = hits.first() else { return Err(FitError::NoOnset) };
     if first.onset < size {
@@ -128,6 +137,20 @@ pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, 
         }),
         _ => Ok(chosen.into_iter().filter(|hit| !is_short(&hit)).collect()),
     }
+}
+
+/// The strike of a recording that rises slowly, if it dies away by 12 dB.
+///
+/// It begins with the first frame that stands 6 dB over the quietest tenth and is at most 30 dB
+/// below the loudest.
+fn without_onset(power: &[f64], floor: f64, loudest: f64, size: usize, length: usize) -> Option<Hit> {
+    let part = (power.len() / 8).max(1);
+    let mean = |powers: &[f64]| powers.iter().sum::<f64>() / powers.len().max(1) as f64;
+    let most = power.chunks(part).map(mean).fold(0.0, f64::max);
+    let last = mean(&power[power.len().saturating_sub(part)..]);
+    let begins = |&now: &f64| now > (4.0 * floor.min(loudest * 1e-2)).max(loudest * BELOW_LOUDEST);
+    let first = power.iter().position(begins)?;
+    (last < most / RISE).then_some(Hit { onset: first * size, end: length })
 }
 
 /// First sample in or just before a frame that rises above the sound before it, by about a tenth of

@@ -153,6 +153,21 @@ impl<'a> RecordedStrike<'a> {
         Ok(best)
     }
 
+    /// Adds the noise that was fitted together with the modes.
+    ///
+    /// # Errors
+    /// [`FitError`] if a board would refuse the table.
+    pub fn with_noise(
+        &self,
+        plain: PlayedTable,
+        bands: &[residual::Band],
+    ) -> Result<(PlayedTable, Vec<residual::Band>), FitError> {
+        let table = residual::with_residual(plain.table.clone(), bands, SEED);
+        let noisy = self.play(table, DRAWS)?;
+        let sounding = bands.iter().filter(|band| band.weight > 0.0).copied().collect();
+        Ok(if nearness(&noisy, &plain) < 1.0 { (noisy, sounding) } else { (plain, Vec::new()) })
+    }
+
     /// Adds the residual of a physical prior: 100 bands, fitted to what the modes leave.
     ///
     /// Of all weights that are tried, those are taken whose ERB distance is least. The modes alone

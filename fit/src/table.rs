@@ -17,6 +17,9 @@ pub fn modes_within(cycles_a_sample: f64) -> usize {
     (cycles_a_sample / CYCLES_A_MODE).floor().max(1.0) as usize
 }
 
+/// Gain of the strongest mode of a table from sound alone.
+const STRONGEST_GAIN: f64 = 50.0;
+
 /// Name and origin of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
@@ -30,17 +33,25 @@ pub struct Provenance {
 
 /// The object and its striker as a kit without pads.
 ///
-/// From sound alone the gains are those of the loudest strike, whose force has a peak of 1 at
-/// velocity 1. With a measured force the table has gains at all positions, and a strike at
-/// velocity 1 has the peak force of the loudest recorded one.
+/// From sound alone the gains are those of the loudest strike, and the force at velocity 1, which
+/// is the reference force, is such that the strongest gain is 50. With a measured force the table
+/// has gains at all positions, and a strike at velocity 1 has the peak force of the loudest
+/// recorded one.
 ///
-/// The reference force is that peak force, but at least 1. The full scale of the force bus is 16
-/// times the reference force, so that no strike at velocity 1 clips it. A recorded force with a
-/// peak of at most 1, played as a direct force, keeps its own level.
+/// The reference force is the force at velocity 1, but at least 1 if the force was measured. The
+/// full scale of the force bus is 16 times the reference force, so that no strike at velocity 1
+/// clips it. A recorded force with a peak of at most 1, played as a direct force, keeps its own
+/// level.
 pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
     let name = item_name(&provenance.name, "");
     let strike = fit.strikes.get(fit.loudest);
-    let peak_force = strike.map_or(1.0, |strike| strike.peak_force as f32);
+    let place = if fit.measured { 0 } else { fit.loudest };
+    // From sound alone the force is free: with this one the strongest gain is of the order of 10.
+    let strongest = fit.modes.iter().filter_map(|mode| mode.gains.get(place)).map(|gain| gain[0].hypot(gain[1]));
+    let strongest = strongest.fold(0.0, f64::max);
+    let unit = if fit.measured || strongest <= 0.0 { 1.0 } else { (strongest / STRONGEST_GAIN).clamp(1e-3, 1e5) };
+    let peak_force = (strike.map_or(1.0, |strike| strike.peak_force) * unit) as f32;
+    let least_reference = if fit.measured { 1.0 } else { REFERENCE_FORCE.min };
     let (source, licence) = (provenance.source.clone(), provenance.licence.clone());
     let modes = fit.modes.iter().map(|mode| Mode {
         frequency_hz: mode.frequency_hz as f32,
@@ -48,9 +59,9 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
         gains: mode
             .gains
             .iter()
-            .skip(if fit.measured { 0 } else { fit.loudest })
+            .skip(place)
             .take(if fit.measured { MOST_POSITIONS } else { 1 })
-            .map(|[sine, cosine]| Gain { sine: *sine as f32, cosine: *cosine as f32 })
+            .map(|[sine, cosine]| Gain { sine: (*sine / unit) as f32, cosine: (*cosine / unit) as f32 })
             .collect(),
     });
     Kit {
@@ -59,8 +70,8 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             name,
             source: source.clone(),
             licence: licence.clone(),
-            reference_force: peak_force.clamp(1.0, REFERENCE_FORCE.max),
-            acceleration: Acceleration::Factor(strike.map_or(0.0, |strike| strike.acceleration as f32)),
+            reference_force: peak_force.clamp(least_reference, REFERENCE_FORCE.max),
+            acceleration: Acceleration::Factor(strike.map_or(0.0, |strike| (strike.acceleration / unit) as f32)),
             modes: modes.collect(),
             residual: None,
             dynamic_filter: None,
@@ -125,7 +136,15 @@ mod tests {
     use super::*;
 
     fn table(peak_force: f32) -> Kit {
-        let fit = Fit { rate_hz: 44_100.0, modes: vec![], strikes: vec![], measured: false, loudest: 0 };
+        let fit = Fit {
+            rate_hz: 44_100.0,
+            modes: vec![],
+            strikes: vec![],
+            measured: false,
+            noise: vec![],
+            is_exact: false,
+            loudest: 0,
+        };
         let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
         let mut table = of_fit(&fit, &provenance);
         table.strikers[0].peak_force = peak_force;

@@ -49,6 +49,11 @@ pub enum Note {
     },
     /// The recording begins in the middle of a strike.
     StartsRinging,
+    /// The recording rises slowly: its beginning is taken for the onset.
+    NoOnset {
+        /// Time in seconds that is taken for the onset.
+        at_s: f64,
+    },
 }
 
 impl fmt::Display for Note {
@@ -66,6 +71,12 @@ impl fmt::Display for Note {
                     write!(f, "{}{at_s:.3}", if index == 0 { "" } else { ", " })?;
                 }
                 write!(f, " s")
+            }
+            Self::NoOnset { at_s } => {
+                write!(
+                    f,
+                    "no rise of 12 dB is heard: the strike is taken to begin where the sound does, at {at_s:.3} s"
+                )
             }
             Self::StartsRinging => write!(f, "the recording begins with the strike: its attack may be missing"),
         }

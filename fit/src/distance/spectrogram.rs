@@ -61,6 +61,14 @@ impl Spectrogram {
         self.complex(samples).iter().map(Complex::norm_sqr).collect()
     }
 
+    /// Power spectrum `|X|²` of all samples as they are, without a window.
+    pub(crate) fn rectangular_power(samples: &[f64]) -> Vec<f64> {
+        let transform = fourier::forward(samples.len());
+        let mut output = transform.make_output_vec();
+        let _refused = transform.process(&mut samples.to_vec(), &mut output);
+        output.iter().map(Complex::norm_sqr).collect()
+    }
+
     /// Samples of the window.
     pub(crate) fn window(&self) -> &[f64] {
         &self.window

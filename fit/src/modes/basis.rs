@@ -87,6 +87,11 @@ impl Basis {
         Self { pole, head_u, head_v, tail_u: z * u, tail_v: z * (v + u), tail_length }
     }
 
+    /// The response at the first sample after the force.
+    pub(crate) fn after_force(&self) -> Complex<f64> {
+        self.tail_u
+    }
+
     /// The response from sample `from` on, which must lie after the force.
     pub(crate) fn later(&self, from: usize, length: usize) -> Self {
         let since = from.saturating_sub(self.head_u.len()) as f64;

@@ -58,6 +58,67 @@ pub(crate) fn estimate_poles(samples: &[f64], rate_hz: f64, settings: Settings) 
 
 /// Maximum number of passes of search and refinement.
 const PASSES: usize = 24;
+/// Maximum number of passes after which modes explain a sound or do not.
+const EXPLAINING_PASSES: usize = 6;
+/// Maximum number of passes that add to modes that are known.
+const FILLING_PASSES: usize = 3;
+/// Refinement of modes that are known, and of those added to them.
+const FILLING: Ending = Ending { steps: 4, ridge: 2e-3, ..Ending::COARSE };
+
+/// Known modes, with the most significant of those that they leave added to them.
+///
+/// All are refined together. Modes that explain too little are dropped.
+pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole]) -> Option<Model> {
+    let groups = [Group::ringing(samples)];
+    let range = range(samples.len(), rate_hz, settings);
+    let threshold = 4.0 * (samples.len() as f64).ln();
+    let mut model = refine(&groups, known, Ending { steps: 0, ..FILLING })?;
+    for _ in 0..FILLING_PASSES {
+        let residual = model.residual(0, &groups[0].stretches[0]);
+        let noise = NoiseFloor::of_residual(&residual);
+        let free = settings.most_modes.saturating_sub(model.poles.len());
+        let candidates = search(&residual, &noise, range, threshold, free);
+        if candidates.is_empty() {
+            break;
+        }
+        let mut poles = model.poles.clone();
+        poles.extend(candidates.iter().map(|candidate| candidate.pole));
+        model = within(&groups, refine(&groups, &poles, FILLING)?, range)?;
+    }
+    Some(model)
+}
+
+/// True if fewer than the maximum number of modes leave nothing significant after a few passes.
+pub(crate) fn explains(samples: &[f64], rate_hz: f64, settings: Settings) -> bool {
+    let groups = [Group::ringing(samples)];
+    let range = range(samples.len(), rate_hz, settings);
+    let threshold = 4.0 * (samples.len() as f64).ln();
+    let mut poles: Vec<Pole> = Vec::new();
+    let mut residual = samples.to_vec();
+    for _ in 0..EXPLAINING_PASSES {
+        let noise = NoiseFloor::of_residual(&residual);
+        let candidates = search(&residual, &noise, range, threshold, settings.most_modes);
+        if candidates.is_empty() {
+            return true;
+        }
+        poles.extend(candidates.iter().map(|candidate| candidate.pole));
+        if poles.len() >= settings.most_modes {
+            return false;
+        }
+        let Some(model) = refine(&groups, &poles, Ending::COARSE) else { return false };
+        residual = model.residual(0, &groups[0].stretches[0]);
+        poles = model.poles;
+    }
+    false
+}
+
+fn range(length: usize, rate_hz: f64, settings: Settings) -> Range {
+    Range {
+        slowest: 0.5 / length as f64,
+        fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
+        angular: (std::f64::consts::TAU * settings.lowest_hz / rate_hz, std::f64::consts::PI * 0.999),
+    }
+}
 
 fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
     let length = samples.len();
@@ -65,11 +126,7 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
         return None;
     }
     let groups = [Group::ringing(samples)];
-    let range = Range {
-        slowest: 0.5 / length as f64,
-        fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
-        angular: (std::f64::consts::TAU * settings.lowest_hz / rate_hz, std::f64::consts::PI * 0.999),
-    };
+    let range = range(length, rate_hz, settings);
     // A mode has four numbers, each of which has to explain ln N times the noise.
     let threshold = 4.0 * (length as f64).ln();
     let mut model = Model { poles: Vec::new(), gains: Vec::new(), worth: Vec::new() };

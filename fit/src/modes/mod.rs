@@ -14,6 +14,7 @@
 mod basis;
 mod bounds;
 mod damped_sine;
+mod esprit;
 mod estimate;
 mod noise;
 mod pole;
@@ -21,12 +22,14 @@ mod polish;
 mod power_sums;
 mod refine;
 mod search;
+mod subbands;
 
 pub(crate) use basis::{Basis, Stretch};
-pub use bounds::{Bounds, cramer_rao_bounds};
+pub use bounds::{Bounds, cramer_rao_bounds, standard_deviations_in};
 pub use damped_sine::DampedSine;
-pub(crate) use estimate::estimate_poles;
 pub use estimate::{Settings, estimate};
+pub(crate) use estimate::{estimate_poles, explains, filled};
 pub(crate) use pole::Pole;
 pub(crate) use polish::polish;
 pub(crate) use refine::{Ending, Gains, Group, Model, refine};
+pub(crate) use subbands::candidates;

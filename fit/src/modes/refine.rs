@@ -84,7 +84,7 @@ struct Solved {
 }
 
 /// Solves for the gains of a group: pairs of columns `Re u`, `-Im u` for the modes, then the force.
-fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
+fn solve(group: &Group<'_>, poles: &[Pole], ridge: f64) -> Option<Solved> {
     let bases: Vec<Vec<Basis>> =
         group.stretches.iter().map(|stretch| poles.iter().map(|&pole| Basis::new(pole, stretch)).collect()).collect();
     let with_force = usize::from(group.driven());
@@ -124,6 +124,7 @@ fn solve(group: &Group<'_>, poles: &[Pole]) -> Option<Solved> {
         for column in row + 1..size {
             normal[(row, column)] = normal[(column, row)];
         }
+        normal[(row, row)] *= 1.0 + ridge;
     }
     // Two poles in one place must not fail: the diagonal is raised slightly until the matrix is
     // definite.
@@ -204,13 +205,18 @@ pub(crate) struct Ending {
     pub(crate) steps: usize,
     /// Least promised gain of a step, as a share of one sample's noise power.
     pub(crate) gain: f64,
+    /// Share of each mode's own energy that is added to the diagonal of the normal equations.
+    ///
+    /// 0 gives least squares. A share r bounds the gains of modes that are nearly alike, and lowers
+    /// those of others by r.
+    pub(crate) ridge: f64,
 }
 
 impl Ending {
     /// Refinement to a thousandth of the statistical error.
-    pub(crate) const FINE: Self = Self { steps: 60, gain: 1e-6 };
+    pub(crate) const FINE: Self = Self { steps: 60, gain: 1e-6, ridge: 0.0 };
     /// Refinement good enough to search the residual for more modes.
-    pub(crate) const COARSE: Self = Self { steps: 12, gain: 1e-2 };
+    pub(crate) const COARSE: Self = Self { steps: 12, gain: 1e-2, ridge: 0.0 };
 }
 
 /// Refines poles, and finds the gains of every group.
@@ -218,7 +224,8 @@ impl Ending {
 /// `None` if not even the given poles can be solved for.
 pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Option<Model> {
     let sample_count: usize = groups.iter().map(Group::sample_count).sum();
-    let solve_all = |poles: &[Pole]| groups.iter().map(|group| solve(group, poles)).collect::<Option<Vec<_>>>();
+    let solve_all =
+        |poles: &[Pole]| groups.iter().map(|group| solve(group, poles, ending.ridge)).collect::<Option<Vec<_>>>();
     let energy_of = |solved: &[Solved]| solved.iter().map(|solved| solved.residual_energy).sum::<f64>();
     let mut poles = poles.to_vec();
     let mut solved = solve_all(&poles)?;

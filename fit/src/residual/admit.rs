@@ -1,8 +1,8 @@
 //! Choice of the residual bands that sound: noise in place of a few strong modes would blur the
 //! spectrum.
 
-use super::band::Band;
 use super::noise::render;
+use crate::band::Band;
 use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
 
 /// Number of noises over which the distance is averaged.

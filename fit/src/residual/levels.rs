@@ -4,15 +4,13 @@
 //! minimises the squared error in dB expected over all noises, not the error of the mean level.
 //! Noise that would fit only by chance is penalised by its scatter.
 
-use super::band::Band;
 use super::spread;
-use crate::distance::{Spectrogram, band_power, erb_edges_hz, erb_edges_up_to_hz};
+use crate::band::{Band, highest_hz};
+use crate::distance::{Spectrogram, band_power, erb_edges_hz};
 use crate::error::FitError;
 
 /// Number of samples in a frame, as in the ERB distance.
 const WINDOW: usize = 1024;
-/// Upper limit of the bands in Hz: every rate of 44.1 kHz and more plays them.
-const HIGHEST_HZ: f64 = 20_000.0;
 /// Lower limit of a prior's bands in Hz, that of the ERB distance.
 const LOWEST_HZ: f64 = 50.0;
 /// Number of bands of a prior (physics-diffusion §4.1).
@@ -41,22 +39,12 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// mean square.
 const PASSES: usize = 4;
 
-/// Edges in Hz of the 40 bands of the ERB distance and of those above up to 20 kHz, as far as the
-/// rate reaches.
-pub fn usual_edges_hz(rate_hz: f64) -> Vec<f64> {
-    erb_edges_up_to_hz(highest_hz(rate_hz))
-}
-
 /// Edges in Hz of the 100 bands of a physical prior (physics-diffusion §4.1).
 ///
 /// They reach from 50 Hz to 20 kHz, as far as the rate does, equally wide on the ERB scale: the
 /// paper does not say where its bands lie.
 pub fn prior_edges_hz(rate_hz: f64) -> Vec<f64> {
     erb_edges_hz([LOWEST_HZ, highest_hz(rate_hz)], PRIOR_BANDS)
-}
-
-fn highest_hz(rate_hz: f64) -> f64 {
-    HIGHEST_HZ.min(0.49 * rate_hz)
 }
 
 /// Fits residual bands to the difference between `recording` and `model`, which begin at the strike
@@ -284,6 +272,7 @@ impl Levels {
 mod tests {
     use super::super::table::with_residual;
     use super::*;
+    use crate::band::usual_edges_hz;
     use crate::distance::ErbLevels;
     use crate::random::SplitMix64;
     use crate::table;
@@ -304,7 +293,15 @@ mod tests {
         // Single estimates scatter; their mean over many noises has no significant bias.
         const DRAWS: u32 = 16;
         let silent = table::of_fit(
-            &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
+            &crate::strike::Fit {
+                rate_hz,
+                modes: vec![],
+                strikes: vec![],
+                measured: false,
+                noise: vec![],
+                is_exact: false,
+                loudest: 0,
+            },
             &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
         );
         let mut mean = vec![(0.0, 0.0); truth.len()];

@@ -7,14 +7,13 @@
 //! Then those bands are kept that do not raise the log-spectral distance (`admit`).
 
 mod admit;
-mod band;
 mod levels;
 mod noise;
 mod spread;
 mod table;
 
+pub use crate::band::{Band, usual_edges_hz};
 pub use admit::admit;
-pub use band::Band;
-pub use levels::{fit_bands, prior_edges_hz, usual_edges_hz};
+pub use levels::{fit_bands, prior_edges_hz};
 pub use noise::render;
 pub use table::{with_bands, with_residual};

@@ -2,7 +2,7 @@
 
 use fourier::Complex;
 
-use super::band::Band;
+use crate::band::Band;
 use crate::random::SplitMix64;
 
 /// Renders bands from the strike on; equal seeds give equal noise.

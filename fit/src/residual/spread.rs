@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::band::Band;
 use super::table::with_residual;
+use crate::band::Band;
 use crate::distance::{Spectrogram, band_power};
 use crate::error::FitError;
 use crate::{render, table};
@@ -42,7 +42,15 @@ pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<
 fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>>, FitError> {
     let spectrogram = Spectrogram::new(window);
     let silent = table::of_fit(
-        &crate::strike::Fit { rate_hz, modes: vec![], strikes: vec![], measured: false, loudest: 0 },
+        &crate::strike::Fit {
+            rate_hz,
+            modes: vec![],
+            strikes: vec![],
+            measured: false,
+            noise: vec![],
+            is_exact: false,
+            loudest: 0,
+        },
         &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
     );
     let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 use serde::Serialize;
 
+use crate::band::Band;
 use crate::bins::BINS;
 use crate::modes::{Gains, Settings as ModeSettings};
 use crate::segment::Hit;
@@ -98,6 +99,14 @@ pub struct Fit {
     /// True if the force was measured: gains are then those at positions, otherwise those of
     /// strikes.
     pub measured: bool,
+    /// Noise bands that belong to the modes of the loudest strike, at its peak force.
+    ///
+    /// Empty if the modes were fitted without noise.
+    pub noise: Vec<Band>,
+    /// True if the modes explain the loudest strike down to its noise floor.
+    ///
+    /// Poles and gains are then those of most likelihood, and no descent has moved them.
+    pub is_exact: bool,
     /// Index of the loudest strike, whose gains a table takes if the force was not measured.
     pub loudest: usize,
 }

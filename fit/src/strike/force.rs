@@ -47,5 +47,13 @@ pub fn fit_force(
     });
     let strikes: Vec<Strike> = strikes.collect();
     let loudest = (0..measured.len()).max_by(|&a, &b| measured[a].energy().total_cmp(&measured[b].energy()));
-    Ok(Fit { rate_hz, modes, strikes, measured: true, loudest: loudest.unwrap_or(0) })
+    Ok(Fit {
+        rate_hz,
+        modes,
+        strikes,
+        measured: true,
+        noise: Vec::new(),
+        is_exact: false,
+        loudest: loudest.unwrap_or(0),
+    })
 }

@@ -1,9 +1,11 @@
 //! Fit of one struck object: from the strikes of a recording to modes, gains and contact times.
 
+mod audible;
 mod fit;
 mod force;
 mod high_pass;
 mod measured;
+mod near;
 mod shared;
 mod sound;
 

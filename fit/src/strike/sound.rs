@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
+use super::near::{Heard, Near};
 use crate::bins;
 use crate::contact::{contact_time_s, force};
 use crate::distance::{log_spectral_distance_db, lsd_window};
@@ -40,26 +41,54 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
         };
         return of_bins(sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
     }
+    if let (true, Some(hit), Some(force)) = (settings.polish, hits.get(loudest), forces.get(loudest)) {
+        let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
+        let near = Heard { samples, onset: hit.onset, end, last: hit.end, rate_hz, force };
+        if let Some(near) = near.near(settings.modes) {
+            let is_exact = matches!(near, Near::Exact(_));
+            let (poles, gains, noise) = match near {
+                Near::Exact((poles, gains)) => (poles, gains, Vec::new()),
+                Near::Approached(sounding) => (sounding.poles, sounding.gains, sounding.bands),
+            };
+            let model = with_loudest(poles, gains, &groups(&heard, &forces), loudest);
+            let fit = described(&model, &groups(&heard, &forces), hits, &contacts_s, loudest, rate_hz);
+            return Ok(Fit { noise, is_exact, ..fit });
+        }
+    }
     let behind = forces.get(loudest).map_or(0, Vec::len);
     let ringing = heard.get(loudest).and_then(|sound| sound.get(behind..)).unwrap_or(&[]);
     let poles = estimate_poles(ringing, rate_hz, settings.modes);
     if poles.is_empty() {
         return Err(FitError::NoModes { at_s });
     }
-    let groups: Vec<Group<'_>> = heard
-        .iter()
-        .zip(&forces)
-        .map(|(samples, force)| {
-            let force = Some(&force[..force.len().min(samples.len())]);
-            Group { stretches: vec![Stretch { samples, force }] }
-        })
-        .collect();
+    let groups = groups(&heard, &forces);
     let ending = if groups.len() > 1 { Ending::COARSE } else { Ending { steps: 0, ..Ending::COARSE } };
     let mut model = refine(&groups, &poles, ending).ok_or(FitError::NoModes { at_s })?;
     if settings.polish {
         polished(&mut model, &groups, loudest, rate_hz);
     }
     Ok(described(&model, &groups, hits, &contacts_s, loudest, rate_hz))
+}
+
+fn groups<'a>(heard: &[&'a [f64]], forces: &'a [Vec<f64>]) -> Vec<Group<'a>> {
+    let group = |(samples, force): (&&'a [f64], &'a Vec<f64>)| {
+        let force = Some(&force[..force.len().min(samples.len())]);
+        Group { stretches: vec![Stretch { samples, force }] }
+    };
+    heard.iter().zip(forces).map(group).collect()
+}
+
+/// A model with the given gains of the loudest strike; the gains of the others are solved for.
+fn with_loudest(poles: Vec<Pole>, gains: Gains, groups: &[Group<'_>], loudest: usize) -> Model {
+    let none = || Gains { modes: vec![Complex::new(0.0, 0.0); poles.len()], force: 0.0 };
+    let every = groups.iter().enumerate().map(|(index, group)| {
+        if index == loudest {
+            return gains.clone();
+        }
+        let solved = refine(std::slice::from_ref(group), &poles, Ending { steps: 0, ..Ending::COARSE });
+        solved.and_then(|model| model.gains.into_iter().next()).unwrap_or_else(none)
+    });
+    Model { gains: every.collect(), worth: vec![0.0; poles.len()], poles }
 }
 
 fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
@@ -148,5 +177,5 @@ fn described(
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, loudest }
+    Fit { rate_hz, modes, strikes: strikes.collect(), measured: false, noise: Vec::new(), is_exact: false, loudest }
 }

@@ -112,3 +112,61 @@ fn noise_alone_has_no_modes() {
         assert!(modes.len() <= 1, "seed {seed}: {modes:?}");
     }
 }
+
+/// Amplitude of a table's mode at the end of the contact, in the strike at velocity 1.
+fn amplitude_behind_contact(table: &kit::Kit, mode: &kit::Mode, rate_hz: f64) -> f64 {
+    let striker = &table.strikers[0];
+    let force = fit::contact::force(f64::from(striker.contact_time_s), rate_hz);
+    let (mut re, mut im) = (0.0, 0.0);
+    for (m, force) in force.iter().enumerate() {
+        let time_s = (force_length(table, rate_hz) - m) as f64 / rate_hz;
+        let left = force * (-f64::from(mode.decay_per_s) * time_s).exp();
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(mode.frequency_hz) * time_s).sin_cos();
+        re += left * cosine;
+        im += left * sine;
+    }
+    let gain = f64::from(mode.gains[0].sine).hypot(f64::from(mode.gains[0].cosine));
+    gain * f64::from(striker.peak_force) * re.hypot(im) / rate_hz
+}
+
+fn force_length(table: &kit::Kit, rate_hz: f64) -> usize {
+    fit::contact::force(f64::from(table.strikers[0].contact_time_s), rate_hz).len()
+}
+
+#[test]
+fn written_table_of_twenty_modes_is_as_exact_as_the_estimator() {
+    for (noise_dbfs, cents, t60_percent, db) in [(-80.0, 0.0002, 0.015, 0.001), (-50.0, 0.006, 0.45, 0.03)] {
+        let (mut all, mut off_db) = (Vec::new(), Vec::new());
+        for seed in 3001..3004 {
+            let sound = struck(seed, noise_dbfs);
+            let hit = fit::segment::Hit { onset: 0, end: sound.samples.len() };
+            let fit = fit::strike::fit_sound(&sound.samples, sound.rate_hz, &[hit], fit::strike::Settings::default())
+                .expect("it has modes");
+            assert!(fit.is_exact && fit.modes.len() <= 21, "seed {seed}: {} modes", fit.modes.len());
+            let provenance =
+                fit::table::Provenance { name: "sum".into(), source: String::new(), licence: String::new() };
+            let table = fit::table::of_fit(&fit, &provenance);
+            let length = force_length(&table, sound.rate_hz);
+            let written: Vec<DampedSine> = table.objects[0]
+                .modes
+                .iter()
+                .map(|mode| DampedSine {
+                    frequency_hz: f64::from(mode.frequency_hz),
+                    decay_per_s: f64::from(mode.decay_per_s),
+                    amplitude: amplitude_behind_contact(&table, mode, sound.rate_hz),
+                    phase: 0.0,
+                })
+                .collect();
+            for found in matches(&sound.modes, &written, 20.0) {
+                let then = found.truth.amplitude * (-found.truth.decay_per_s * length as f64 / sound.rate_hz).exp();
+                off_db.push(20.0 * (found.estimate.amplitude / then).log10().abs());
+                all.push(found);
+            }
+        }
+        assert!(all.len() >= 59, "{}", all.len());
+        let median = |error: fn(&Match) -> f64| quantile(&all.iter().map(error).collect::<Vec<_>>(), 0.5);
+        let errors = [median(Match::cents), median(Match::t60_percent), quantile(&off_db, 0.5)];
+        println!("{noise_dbfs} dBFS, written table: median cents, T60 %, dB {errors:.5?}");
+        assert!(errors[0] <= cents && errors[1] <= t60_percent && errors[2] <= db, "{noise_dbfs} dBFS: {errors:?}");
+    }
+}

@@ -26,4 +26,4 @@ pub use error::PlotError;
 pub use kit_picture::{KitPicture, ObjectPicture, kit};
 pub use performance::{Performance, StrikeMark, TickRow, performance};
 pub use run_time::{KernelMark, RunTimePicture, run_time};
-pub use spectrogram_image::{SPECTROGRAM_HZ, SPECTROGRAM_RANGE_DB, spectrogram_pngs};
+pub use spectrogram_image::{SPECTROGRAM_HZ, SPECTROGRAM_RANGE_DB, signed_png, spectrogram_pngs};

@@ -50,6 +50,23 @@ pub fn spectrogram_pngs(
     encoded.collect()
 }
 
+/// PNG of values from -1 (blue) over 0 (white) to 1 (red); row 0 is the lowest.
+///
+/// # Errors
+/// [`PlotError::Encoding`] with the path of the page.
+pub fn signed_png(path: &Path, columns: u32, rows: u32, at: impl Fn(u32, u32) -> f64) -> Result<Vec<u8>, PlotError> {
+    let mut rgb = Vec::with_capacity(columns as usize * rows as usize * 3);
+    for row in (0..rows).rev() {
+        for column in 0..columns {
+            let value = at(column, row).clamp(-1.0, 1.0);
+            // The root shows errors of a hundredth, too.
+            let faded = (255.0 * (1.0 - value.abs().sqrt())) as u8;
+            rgb.extend(if value > 0.0 { [255, faded, faded] } else { [faded, faded, 255] });
+        }
+    }
+    encode(&rgb, columns, rows).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
+}
+
 fn encode(rgb: &[u8], columns: u32, rows: u32) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, columns, rows);

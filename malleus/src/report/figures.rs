@@ -7,7 +7,7 @@ use fit::bark::EMERGENT_DB;
 use super::chart::{Axis, Chart};
 use super::markup::data_uri;
 use super::view::{View, envelope_db};
-use crate::plot::{PlotError, SPECTROGRAM_HZ, spectrogram_pngs};
+use crate::plot::{PlotError, SPECTROGRAM_HZ, signed_png, spectrogram_pngs};
 
 /// Width of a spectrogram in pixels.
 const COLUMNS: u32 = 640;
@@ -37,6 +37,36 @@ pub(super) fn spectrograms(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3])
         chart.figure()
     });
     Ok(charts.collect())
+}
+
+/// Chart of the loudness error over time and frequency.
+///
+/// # Errors
+/// [`PlotError`] if the picture cannot be encoded.
+pub(super) fn loudness_error(path: &Path, view: &View<'_>) -> Result<String, PlotError> {
+    let map = view.loudness_errors();
+    let frames = map.first().map_or(0, Vec::len);
+    if frames == 0 {
+        return Ok(String::new());
+    }
+    let highest_hz = SPECTROGRAM_HZ.1.min(0.45 * view.rate_hz);
+    let centres = fit::hearing::centres_hz(view.rate_hz);
+    let ratio = highest_hz / SPECTROGRAM_HZ.0;
+    let at = |column: u32, row: u32| {
+        let hz = SPECTROGRAM_HZ.0 * ratio.powf((f64::from(row) + 0.5) / f64::from(ROWS));
+        let band = centres.partition_point(|centre| *centre < hz).min(map.len() - 1);
+        let frame = frames * column as usize / COLUMNS as usize;
+        map[band].get(frame).copied().unwrap_or(0.0)
+    };
+    let png = signed_png(path, COLUMNS, ROWS, at)?;
+    let time = Axis::linear(0.0, frames as f64 * 0.002, "time from the strike, s");
+    let mut chart = Chart::new(
+        "Loudness error (red: too loud, blue: too soft)",
+        time,
+        Axis::frequency(SPECTROGRAM_HZ.0, highest_hz),
+    );
+    chart.picture(&data_uri("image/png", &png));
+    Ok(chart.figure())
 }
 
 /// Chart of the modes over the spectrum of the recording.

@@ -91,6 +91,7 @@ fn page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<String
         figures::modes_over_spectrum(&view),
         figures::decays(&view),
         figures::error_over_time(&view),
+        figures::loudness_error(path, &view)?,
         figures::bark_gain(&view).unwrap_or_default(),
         figures::residual(&view).unwrap_or_default(),
     ];
@@ -103,6 +104,7 @@ fn page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<String
         charts.concat()
     );
     body += &strikes(fitted);
+    body += &partials(fitted);
     body += &modes(fitted);
     body += &rooms(fitted);
     if !report.notes.is_empty() {
@@ -143,6 +145,8 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         ("... in the room", report.lsd_with_room_db.map_or("none heard".to_owned(), |db| format!("{db:.2} dB"))),
         ("ERB distance", format!("{:.2} dB", report.erb_db)),
         ("... with residual", format!("{:.2} dB", report.erb_with_residual_db)),
+        ("Loudness error", format!("{:.3}", report.hearing.loudness_error)),
+        ("Audible partials matched", format!("{:.0} %", 100.0 * report.hearing.partials)),
         ("Modes", format!("{}, {emergent} emergent", summary.modes)),
         ("Frequencies", format!("{:.0} to {:.0} Hz", report.frequency_hz[0], report.frequency_hz[1])),
         ("T60", format!("{} to {} s", significant(summary.t60_s[0]), significant(summary.t60_s[1]))),
@@ -200,8 +204,32 @@ fn players(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3]) -> Result<Strin
         );
     }
     Ok(format!(
-        "<h2>Listen</h2>\n<div class=\"listen\">\n{players}</div>\n<p class=\"muted\">From the strike's onset, all at the level that puts the recording's peak at 0.9. The fit is rendered by the code that a board runs, bit for bit.</p>\n"
+        "<h2>Listen</h2>\n<div class=\"listen\">\n{players}</div>\n<p class=\"muted\">From the strike's onset, all at the level that puts the recording's peak at 0.9. The fit is rendered by the code that a board runs, bit for bit.</p>\n{BLIND}"
     ))
+}
+
+/// Blind comparison of the recording with the fit; the script of the page fills it with life.
+const BLIND: &str = "<h2>Which one is it?</h2>\n<p class=\"blind\"><button type=\"button\">Play one of the two</button> \
+    <button type=\"button\">It was the recording</button> <button type=\"button\">It was the fit</button> \
+    <output>0 of 0 right</output></p>\n";
+
+/// Table of the audible partials, the loudest first.
+fn partials(fitted: &Fitted) -> String {
+    let mut partials = fitted.report.partials.clone();
+    partials.sort_by(|a, b| b.level_db.total_cmp(&a.level_db));
+    let rows: String = partials
+        .iter()
+        .map(|partial| {
+            let mode = partial.mode_hz.map_or("none".to_owned(), |hz| format!("{hz:.1} Hz"));
+            format!(
+                "<tr><td>{:.2} s</td><td>{:.0} Hz</td><td>{:.0} dB</td><td>{:+.1} dB</td><td>{mode}</td></tr>\n",
+                partial.at_s, partial.frequency_hz, partial.level_db, partial.error_db
+            )
+        })
+        .collect();
+    format!(
+        "<details><summary>Audible partials</summary>\n<div class=\"scroll\"><table>\n<tr><th>from</th><th>partial</th><th>level</th><th>error of the fit</th><th>mode</th></tr>\n{rows}</table></div></details>\n"
+    )
 }
 
 fn strikes(fitted: &Fitted) -> String {

@@ -5,3 +5,28 @@ for (const sound of sounds) {
     for (const other of sounds) if (other !== sound) other.pause();
   });
 }
+
+// A blind comparison: one of the two plays, the listener says which, and the page counts.
+const blind = document.querySelector(".blind");
+if (blind && sounds.length > 1) {
+  const pair = [sounds[0], sounds[sounds.length - 1]];
+  const score = blind.querySelector("output");
+  const [play, ...answers] = blind.querySelectorAll("button");
+  let hidden = null;
+  let [right, given] = [0, 0];
+  play.addEventListener("click", () => {
+    for (const sound of sounds) sound.pause();
+    if (hidden === null) hidden = Math.floor(Math.random() * 2);
+    const copy = new Audio(pair[hidden].src);
+    copy.play();
+  });
+  answers.forEach((answer, index) => {
+    answer.addEventListener("click", () => {
+      if (hidden === null) return;
+      given += 1;
+      if (index === hidden) right += 1;
+      hidden = null;
+      score.textContent = `${right} of ${given} right`;
+    });
+  });
+}

@@ -88,6 +88,17 @@ impl<'a> View<'a> {
             .collect()
     }
 
+    /// Loudness that the fit with its residual has too much (above 0) or too little, by gammatone
+    /// band and frame of 2 ms, relative to the largest error.
+    pub(super) fn loudness_errors(&self) -> Vec<Vec<f64>> {
+        let loudness = self.fitted.heard.loudness();
+        let length = loudness.length().min(self.fitted.whole.len()).min(self.shown);
+        let (mut map, _) = loudness.compared(&self.fitted.whole[..length]);
+        let most = map.iter().flatten().fold(1e-9, |most: f64, error| most.max(error.abs()));
+        map.iter_mut().flatten().for_each(|error| *error /= most);
+        map
+    }
+
     /// Stretch over which the page's log-spectral distance is taken, in seconds from the onset.
     pub(super) fn lsd_stretch_s(&self) -> (f64, f64) {
         let window = lsd_window(self.heard, self.rate_hz);

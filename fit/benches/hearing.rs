@@ -1,0 +1,160 @@
+//! Measures fits of recordings as an ear hears them, as a Markdown table, with medians.
+//!
+//! Compares dsp-core's rendering of each fitted table, residual included, with the recording
+//! (docs/fit.md defines the measures).
+//!
+//! `cargo bench -p fit --bench hearing [-- MODES ...] [NAME ...] [FOLDER]`: 64 modes by default;
+//! recordings whose names contain one of the NAMEs; the FOLDER of ../shared/data, `recordings` by
+//! default. Renderings go to the folder that the variable `RENDERINGS` names.
+
+use std::path::{Path, PathBuf};
+
+use fit::FitError;
+use fit::hearing::{Heard, Scores};
+use fit::recording::{Options, fit_file};
+use fit::score::quantile;
+use rayon::prelude::*;
+
+/// Length of the attack whose level is compared, in seconds.
+const ATTACK_S: f64 = 0.003;
+
+struct Row {
+    name: String,
+    modes: usize,
+    scores: Scores,
+    /// Peak of the rendering over that of the recording, in dB.
+    peak_db: f64,
+    /// Rms of the rendering's first 3 ms over that of the recording, in dB.
+    attack_db: f64,
+    seconds: f64,
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let mut numbers: Vec<usize> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+    if numbers.is_empty() {
+        numbers.push(64);
+    }
+    let words: Vec<&String> = arguments.iter().filter(|argument| argument.parse::<usize>().is_err()).collect();
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let data = std::env::var_os("SHARED_DATA").map_or_else(beside, PathBuf::from);
+    let (folders, names): (Vec<&String>, Vec<&String>) = words.into_iter().partition(|word| data.join(word).is_dir());
+    let folder = data.join(folders.first().map_or("recordings", |folder| folder.as_str()));
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("no recordings at {}: nothing to measure", folder.display());
+        return;
+    };
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        file.extension().is_some_and(|ending| ending == "wav")
+            && (names.is_empty() || names.iter().any(|wanted| name.contains(wanted.as_str())))
+    });
+    files.sort();
+    for modes in numbers {
+        let rows: Vec<Result<Row, FitError>> = files.par_iter().map(|file| row(file, modes)).collect();
+        println!(
+            "| recording | modes | LSD, dB | ERB distance, dB | first 0.25 s | loudness error | first 0.25 s | partials | peak, dB | attack, dB | seconds |"
+        );
+        println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+        let mut good = Vec::new();
+        for row in rows {
+            match row {
+                Ok(row) => {
+                    println!("{}", line(&row));
+                    good.push(row);
+                }
+                Err(error) => println!("{error}"),
+            }
+        }
+        let median = |value: &dyn Fn(&Row) -> f64| quantile(&good.iter().map(value).collect::<Vec<_>>(), 0.5);
+        println!(
+            "{}",
+            line(&Row {
+                name: "median".to_owned(),
+                modes: median(&|row| row.modes as f64) as usize,
+                scores: Scores {
+                    lsd_db: median(&|row| row.scores.lsd_db),
+                    erb_db: median(&|row| row.scores.erb_db),
+                    early_erb_db: median(&|row| row.scores.early_erb_db),
+                    loudness_error: median(&|row| row.scores.loudness_error),
+                    early_loudness_error: median(&|row| row.scores.early_loudness_error),
+                    partials: median(&|row| row.scores.partials),
+                },
+                peak_db: median(&|row| row.peak_db),
+                attack_db: median(&|row| row.attack_db),
+                seconds: median(&|row| row.seconds),
+            })
+        );
+        let share = |is: &dyn Fn(&Row) -> bool| good.iter().filter(|row| is(row)).count();
+        println!(
+            "{} of {} peak at most 3 dB above their recording; the attack of {} is within 3 dB; longest fit {:.1} s\n",
+            share(&|row| row.peak_db <= 3.0),
+            good.len(),
+            share(&|row| row.attack_db.abs() <= 3.0),
+            good.iter().map(|row| row.seconds).fold(0.0, f64::max)
+        );
+    }
+}
+
+fn line(row: &Row) -> String {
+    let scores = row.scores;
+    format!(
+        "| {} | {} | {:.2} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {:+.1} | {:+.1} | {:.1} |",
+        row.name,
+        row.modes,
+        scores.lsd_db,
+        scores.erb_db,
+        scores.early_erb_db,
+        scores.loudness_error,
+        scores.early_loudness_error,
+        scores.partials,
+        row.peak_db,
+        row.attack_db,
+        row.seconds
+    )
+}
+
+fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
+    let mut options = Options::default();
+    options.strike.modes.most_modes = modes;
+    let fitted = fit_file(file, &options)?;
+    let strike = &fitted.fit.strikes[fitted.fit.loudest];
+    let rate_hz = fitted.recording.rate_hz;
+    let (onset, end) = (strike.hit.onset, strike.hit.end);
+    let heard = Heard::new(&fitted.recording.samples, rate_hz, onset, end);
+    let recording = &fitted.recording.samples[onset..end];
+    let peak = |sound: &[f64]| sound.iter().fold(1e-9, |peak: f64, x| peak.max(x.abs()));
+    let attack = |sound: &[f64]| {
+        let first = &sound[..sound.len().min((ATTACK_S * rate_hz) as usize)];
+        (first.iter().map(|x| x * x).sum::<f64>() / first.len().max(1) as f64).max(1e-18)
+    };
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(folder) = std::env::var_os("RENDERINGS") {
+        let path = Path::new(&folder).join(format!("{name}-{modes}@{onset}.wav"));
+        write(&path, rate_hz, onset, &fitted.whole).map_err(|error| FitError::Render(error.to_string()))?;
+    }
+    Ok(Row {
+        modes: fitted.fit.modes.len(),
+        scores: heard.scores(&fitted.whole),
+        peak_db: 20.0 * (peak(&fitted.whole) / peak(recording)).log10(),
+        attack_db: 10.0 * (attack(&fitted.whole) / attack(recording)).log10(),
+        seconds: fitted.report.seconds,
+        name,
+    })
+}
+
+/// Writes a rendering in floating point, behind as many samples of silence as precede the strike.
+fn write(path: &Path, rate_hz: f64, onset: usize, sound: &[f64]) -> Result<(), hound::Error> {
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: rate_hz as u32,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    let mut writer = hound::WavWriter::create(path, spec)?;
+    for sample in std::iter::repeat_n(&0.0, onset).chain(sound) {
+        writer.write_sample(*sample as f32)?;
+    }
+    writer.finalize()
+}

@@ -1,0 +1,118 @@
+//! Measures of how near a rendering is to a recorded strike, as an ear hears both.
+//!
+//! | measure | what it compares |
+//! | --- | --- |
+//! | log-spectral distance | single bins in dB, over 0.25 s from just before the peak |
+//! | ERB distance | levels in 40 bands in dB, over the whole strike, and over those 0.25 s |
+//! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
+//! | partials | share of the audible partials whose level is right within 3 dB |
+//!
+//! The strike begins at its onset. What precedes it in the recording is the background, which masks
+//! quiet partials and is not counted as part of the strike.
+
+mod gammatone;
+mod loudness;
+mod partials;
+
+use serde::Serialize;
+
+use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
+
+pub(crate) use gammatone::HOP_S;
+pub use gammatone::{centres_hz, threshold_db};
+pub use loudness::{Loudness, LoudnessError, specific_loudness};
+pub use partials::{Partial, Partials};
+
+/// Length of the beginning of a strike whose loudness is compared, in seconds.
+const LONGEST_S: f64 = 4.0;
+
+/// A recorded strike and what is needed to compare renderings with it.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    strike: Vec<f64>,
+    rate_hz: f64,
+    window: std::ops::Range<usize>,
+    levels: ErbLevels,
+    early_levels: ErbLevels,
+    loudness: Loudness,
+    partials: Partials,
+}
+
+/// Measures of a rendering against a recorded strike.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scores {
+    /// Log-spectral distance in dB over 0.25 s from 20 samples before the recording's peak.
+    pub lsd_db: f64,
+    /// ERB distance in dB over the whole strike.
+    pub erb_db: f64,
+    /// ERB distance in dB over the part that the log-spectral distance compares.
+    pub early_erb_db: f64,
+    /// Share of the recording's loudness that the rendering has too much or too little.
+    pub loudness_error: f64,
+    /// Loudness error within the first 0.25 s of the strike.
+    pub early_loudness_error: f64,
+    /// Share of the audible partials, weighted by loudness, whose level is right within 3 dB.
+    pub partials: f64,
+}
+
+impl Heard {
+    /// The strike of a recording between two samples; the samples before it are the background.
+    pub fn new(recording: &[f64], rate_hz: f64, onset: usize, end: usize) -> Self {
+        let end = end.min(recording.len());
+        let onset = onset.min(end);
+        let strike = recording[onset..end].to_vec();
+        let window = lsd_window(&strike, rate_hz);
+        let longest = (LONGEST_S * rate_hz) as usize;
+        let before = &recording[..onset];
+        Self {
+            levels: ErbLevels::new(&strike, rate_hz),
+            early_levels: ErbLevels::new(&strike[window.clone()], rate_hz),
+            loudness: Loudness::new(&strike[..longest.min(strike.len())], before, rate_hz),
+            partials: Partials::new(before, &strike, rate_hz),
+            strike,
+            rate_hz,
+            window,
+        }
+    }
+
+    /// Measures of a rendering that begins at the strike's onset and is at least as long.
+    pub fn scores(&self, rendering: &[f64]) -> Scores {
+        let length = self.strike.len().min(rendering.len());
+        let rendering = &rendering[..length];
+        let early = rendering.get(self.window.clone()).unwrap_or(&[]);
+        let loudness = self.loudness.error(&rendering[..self.loudness.length().min(length)]);
+        Scores {
+            lsd_db: log_spectral_distance_db(&self.strike[self.window.clone()], early),
+            erb_db: self.levels.distance_db(&ErbLevels::new(rendering, self.rate_hz)),
+            early_erb_db: self.early_levels.distance_db(&ErbLevels::new(early, self.rate_hz)),
+            loudness_error: loudness.whole,
+            early_loudness_error: loudness.early,
+            partials: self.partials.matched(rendering),
+        }
+    }
+
+    /// Loudness of the strike.
+    pub fn loudness(&self) -> &Loudness {
+        &self.loudness
+    }
+
+    /// Audible partials of the strike.
+    pub fn partials(&self) -> &Partials {
+        &self.partials
+    }
+}
+
+impl Scores {
+    /// Mean of several scores; all 0 without scores.
+    pub fn mean(scores: &[Self]) -> Self {
+        let mean = |of: fn(&Self) -> f64| scores.iter().map(of).sum::<f64>() / scores.len().max(1) as f64;
+        Self {
+            lsd_db: mean(|scores| scores.lsd_db),
+            erb_db: mean(|scores| scores.erb_db),
+            early_erb_db: mean(|scores| scores.early_erb_db),
+            loudness_error: mean(|scores| scores.loudness_error),
+            early_loudness_error: mean(|scores| scores.early_loudness_error),
+            partials: mean(|scores| scores.partials),
+        }
+    }
+}

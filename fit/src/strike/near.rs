@@ -1,0 +1,336 @@
+//! Modes and noise of one strike, as near to the recording as an ear tells.
+//!
+//! Candidates from subbands, those chosen that explain most loudness, gains by joint least squares,
+//! and noise from what they leave: from there the joint descent begins.
+
+use nalgebra::Complex;
+
+use super::audible::{Chosen, are_one};
+use crate::band::{Band, usual_edges_hz};
+use crate::distance::{Spectrogram, band_power};
+use crate::hearing::Loudness;
+use crate::joint::{Descent, Sounding};
+use crate::modes::{
+    Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
+    filled, refine,
+};
+
+/// Share of a strike's energy that audible modes leave, below which modes may explain all of it.
+const LITTLE: f64 = 0.03;
+/// Gain of a mode relative to the strongest below which a table does not hold it: 93 dB.
+const SOFTEST: f64 = 2.2e-5;
+/// Sum of the gains of two modes within their widths, relative to the sum of the magnitudes, below
+/// which the two cancel: 6 dB.
+const CANCELLING: f64 = 0.5;
+/// Maximum number of times that modes are dropped because they cancel.
+const ROUNDS: usize = 4;
+/// Number of parts of a residual that are compared to tell noise from sound.
+const PARTS: usize = 10;
+/// Number of steps of the descent.
+const STEPS: usize = 100;
+/// Length of the strike whose loudness is compared, in seconds.
+const LONGEST_S: f64 = 4.0;
+/// Ridge of the least squares with which the descent begins: modes that are nearly alike share
+/// what they explain.
+const RIDGE: f64 = 2e-3;
+/// Length of the sound in which modes are refined, in seconds.
+const REFINED_S: f64 = 2.0;
+/// Number of steps of each refinement.
+const REFINING: usize = 5;
+/// Number of samples in the frames that measure the noise.
+const FRAME: usize = 1024;
+/// Number of these frames, which are denser at the beginning.
+const FRAMES: usize = 48;
+/// Time in seconds behind the beginning of a frame at which its level is measured.
+const MIDDLE_S: f64 = 0.008;
+/// Level, as a power ratio to the loudest band and frame, below which nothing counts: -60 dB.
+const FLOOR: f64 = 1e-6;
+/// Decays of noise that the descent may begin with, in dB/s.
+const DECAYS_DB_PER_S: [f64; 11] = [1.0, 4.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1_200.0, 2_400.0];
+/// Number of levels of noise that the descent may begin with, from below the floor on.
+const LEVELS: u32 = 17;
+/// Distance of these levels in dB.
+const LEVEL_DB: f64 = 5.0;
+
+/// A strike's modes, with or without noise.
+pub(super) enum Near {
+    /// Modes that explain the strike down to its noise floor: poles of most likelihood.
+    Exact((Vec<Pole>, Gains)),
+    /// Modes and noise that the descent brought near.
+    Approached(Sounding),
+}
+
+/// A strike, driven by a force from sample `onset` on.
+#[derive(Clone, Copy)]
+pub(super) struct Heard<'a> {
+    pub(super) samples: &'a [f64],
+    pub(super) onset: usize,
+    /// Sample before which the modes are fitted.
+    pub(super) end: usize,
+    /// Sample before which the strike is heard alone.
+    pub(super) last: usize,
+    pub(super) rate_hz: f64,
+    pub(super) force: &'a [f64],
+}
+
+impl Heard<'_> {
+    fn strike(&self) -> &[f64] {
+        &self.samples[self.onset..self.end.min(self.samples.len())]
+    }
+
+    /// Modes and noise near to the strike; `None` if it has no audible mode.
+    ///
+    /// The descent begins at the audible modes. If these leave nothing but noise, the modes of most
+    /// likelihood are the answer.
+    pub(super) fn near(&self, settings: Settings) -> Option<Near> {
+        let audible = self.audible(settings);
+        let (start, left) = self.start(self.poles(&audible))?;
+        if left < LITTLE
+            && let Some(exact) = self.exact(settings)
+        {
+            return Some(Near::Exact(exact));
+        }
+        let edges_hz = usual_edges_hz(self.rate_hz);
+        let fastest = settings.fastest_decay_per_s / self.rate_hz;
+        let mut descent =
+            Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
+        let near = descent.run(&start, STEPS);
+        Some(Near::Approached(audible_of(near)))
+    }
+
+    fn ringing(&self) -> &[f64] {
+        let strike = self.strike();
+        &strike[self.force.len().min(strike.len())..]
+    }
+
+    /// Modes of most likelihood, if they leave nothing but noise.
+    ///
+    /// Their gains are those of the free ringing behind the contact, driven by the force.
+    fn exact(&self, settings: Settings) -> Option<(Vec<Pole>, Gains)> {
+        let ringing = self.ringing();
+        if !explains(self.part(ringing), self.rate_hz, settings) {
+            return None;
+        }
+        let likely = estimate_poles(ringing, self.rate_hz, settings);
+        let group = [Group::ringing(ringing)];
+        let model = refine(&group, &likely, Ending { steps: 0, ..Ending::COARSE })?;
+        if likely.len() >= settings.most_modes || !is_noise(&model.residual(0, &group[0].stretches[0])) {
+            return None;
+        }
+        let strike = self.strike();
+        let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
+        let free = model.gains.into_iter().next()?;
+        let bases: Vec<Basis> = model.poles.iter().map(|&pole| Basis::new(pole, &stretch)).collect();
+        let modes: Vec<_> = bases.iter().zip(&free.modes).map(|(basis, gain)| gain / basis.after_force()).collect();
+        // The force's own gain is the one that leaves least of the sound during the contact.
+        let mut sound = vec![0.0; strike.len()];
+        bases.iter().zip(&modes).for_each(|(basis, gain)| basis.add(*gain, &mut sound));
+        let pairs = self.force.iter().zip(strike.iter().zip(&sound));
+        let along: f64 = pairs.map(|(force, (wanted, given))| force * (wanted - given)).sum();
+        let energy: f64 = self.force.iter().map(|force| force * force).sum();
+        Some((model.poles, Gains { modes, force: along / energy.max(f64::MIN_POSITIVE) }))
+    }
+
+    /// Modes that explain most loudness, ringing from the end of the force on.
+    ///
+    /// Further ones come from what the first ones leave, by the loudness of that alone: a partial
+    /// that beats with another adds no loudness to it. If a table may have still more, the most
+    /// significant ones are added.
+    fn audible(&self, settings: Settings) -> Vec<DampedSine> {
+        let strike = self.strike();
+        let ringing = self.ringing();
+        let longest = |sound: &[f64]| sound.len().min((LONGEST_S * self.rate_hz) as usize);
+        let loudness = Loudness::new(&strike[..longest(strike)], &self.samples[..self.onset], self.rate_hz);
+        let most = settings.most_modes;
+        let mut chosen = Chosen::none(&loudness);
+        chosen.take_from(&candidates(ringing, self.rate_hz, settings), &loudness, most);
+        let (mut modes, left) = self.refined(chosen.modes(), ringing, settings);
+        if modes.len() < most {
+            chosen = Chosen::of_rest(modes, &loudness.excitation_of(&left[..longest(&left)]));
+            let more = candidates(&left, self.rate_hz, settings);
+            chosen.take_from(&more, &loudness, most);
+            modes = chosen.modes().to_vec();
+            if modes.len() < most {
+                let part = self.part(ringing);
+                let filled = filled(part, self.rate_hz, settings, &self.poles(&modes));
+                modes = filled.map_or(modes, |model| self.sines(&model));
+            }
+        }
+        // A refinement may leave drifts and clicks behind, which are no modes.
+        modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
+        modes
+    }
+
+    fn part<'a>(&self, ringing: &'a [f64]) -> &'a [f64] {
+        &ringing[..ringing.len().min((REFINED_S * self.rate_hz) as usize)]
+    }
+
+    fn sines(&self, model: &Model) -> Vec<DampedSine> {
+        let gains = model.gains.iter().flat_map(|gains| &gains.modes);
+        let sine = |(pole, gain): (&Pole, &Complex<f64>)| DampedSine {
+            frequency_hz: pole.frequency_hz(self.rate_hz),
+            decay_per_s: pole.decay_per_s(self.rate_hz),
+            amplitude: gain.norm(),
+            phase: gain.arg(),
+        };
+        model.poles.iter().zip(gains).map(sine).collect()
+    }
+
+    /// Modes refined jointly by least squares, and what they leave of the sound in which they ring.
+    ///
+    /// Of two modes that come within one another's width one is dropped, and the other begins again
+    /// where it was: together they would cancel.
+    fn refined(&self, modes: &[DampedSine], ringing: &[f64], settings: Settings) -> (Vec<DampedSine>, Vec<f64>) {
+        let part = self.part(ringing);
+        let group = [Group::ringing(part)];
+        let ending = Ending { steps: REFINING, ridge: RIDGE, ..Ending::COARSE };
+        let before = self.poles(modes);
+        let Some(mut model) = refine(&group, &before, ending) else { return (modes.to_vec(), part.to_vec()) };
+        let sines = self.sines(&model);
+        let mut order: Vec<usize> = (0..sines.len()).filter(|&k| is_mode(&sines[k], self.rate_hz, settings)).collect();
+        order.sort_by(|&a, &b| model.worth[b].total_cmp(&model.worth[a]));
+        let mut kept: Vec<(usize, Pole)> = Vec::new();
+        for index in order {
+            match kept.iter_mut().find(|(other, _)| are_one(&sines[*other], &sines[index])) {
+                Some((other, pole)) => *pole = before[*other],
+                None => kept.push((index, model.poles[index])),
+            }
+        }
+        if kept.len() < sines.len() {
+            let poles: Vec<Pole> = kept.iter().map(|(_, pole)| *pole).collect();
+            match refine(&group, &poles, ending) {
+                Some(again) => model = again,
+                None => return (modes.to_vec(), part.to_vec()),
+            }
+        }
+        (self.sines(&model), model.residual(0, &group[0].stretches[0]))
+    }
+
+    fn poles(&self, modes: &[DampedSine]) -> Vec<Pole> {
+        modes.iter().map(|mode| Pole::new(mode.frequency_hz, mode.decay_per_s, self.rate_hz)).collect()
+    }
+
+    /// Modes with gains by least squares, and the noise that they leave; and their share of the
+    /// strike's energy.
+    ///
+    /// Of two modes within their widths that cancel, the weaker is dropped.
+    fn start(&self, mut poles: Vec<Pole>) -> Option<(Sounding, f64)> {
+        let whole = self.strike();
+        let strike = &whole[..whole.len().min((LONGEST_S * self.rate_hz) as usize)];
+        let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
+        let group = [Group { stretches: vec![stretch] }];
+        for round in 1.. {
+            let model = refine(&group, &poles, Ending { steps: 0, ridge: RIDGE, ..Ending::COARSE })?;
+            let kept = without_cancelling(&model);
+            if round < ROUNDS && kept.len() < poles.len() {
+                poles = kept;
+                continue;
+            }
+            let left = model.residual(0, &stretch);
+            let share = left.iter().map(|x| x * x).sum::<f64>() / stretch.energy().max(f64::MIN_POSITIVE);
+            let mut rest = whole.to_vec();
+            let whole = Stretch { samples: whole, force: stretch.force };
+            if whole.samples.len() > strike.len() {
+                rest = model.residual(0, &whole);
+            } else {
+                rest.copy_from_slice(&left);
+            }
+            let bands = noise_of(whole.samples, &rest, self.rate_hz);
+            return Some((Sounding { gains: model.gains.into_iter().next()?, poles, bands }, share));
+        }
+        None
+    }
+}
+
+/// Poles of a model without the weaker of each two modes that lie within their widths and cancel.
+fn without_cancelling(model: &Model) -> Vec<Pole> {
+    let gains: Vec<Complex<f64>> = model.gains.iter().flat_map(|gains| gains.modes.clone()).collect();
+    let energy = |k: &usize| gains[*k].norm_sqr() / model.poles[*k].decay;
+    let mut order: Vec<usize> = (0..model.poles.len()).collect();
+    order.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
+    let mut kept: Vec<usize> = Vec::new();
+    for index in order {
+        let (pole, gain) = (model.poles[index], gains[index]);
+        let cancels = |&&other: &&usize| {
+            let (near, its) = (model.poles[other], gains[other]);
+            (near.angular - pole.angular).abs() < near.decay + pole.decay
+                && (its + gain).norm() < CANCELLING * (its.norm() + gain.norm())
+        };
+        if !kept.iter().any(|other| cancels(&other)) {
+            kept.push(index);
+        }
+    }
+    kept.sort_unstable();
+    kept.into_iter().map(|index| model.poles[index]).collect()
+}
+
+/// Modes without those that are too soft for a table.
+fn audible_of(mut sounding: Sounding) -> Sounding {
+    let strongest = sounding.gains.modes.iter().map(|gain| gain.norm()).fold(0.0, f64::max);
+    let pairs = sounding.poles.into_iter().zip(sounding.gains.modes);
+    (sounding.poles, sounding.gains.modes) = pairs.filter(|(_, gain)| gain.norm() > SOFTEST * strongest).unzip();
+    sounding
+}
+
+/// True if a mode lies in the range of the search.
+fn is_mode(mode: &DampedSine, rate_hz: f64, settings: Settings) -> bool {
+    (settings.lowest_hz..0.49 * rate_hz).contains(&mode.frequency_hz) && mode.decay_per_s < settings.fastest_decay_per_s
+}
+
+/// True if a residual does not die away: its first tenth is no louder than twice its quietest part.
+fn is_noise(left: &[f64]) -> bool {
+    let size = (left.len() / PARTS).max(1);
+    let powers: Vec<f64> = left.chunks_exact(size).map(|part| part.iter().map(|x| x * x).sum()).collect();
+    let quietest = powers.iter().copied().fold(f64::INFINITY, f64::min);
+    powers.first().is_some_and(|first| *first <= 2.0 * quietest)
+}
+
+/// Noise in bands that brings a model's levels nearest to the recording's, in decibels.
+///
+/// Of every band's levels and decays on a coarse grid the best is taken: a start for the descent.
+fn noise_of(recording: &[f64], left: &[f64], rate_hz: f64) -> Vec<Band> {
+    let spectrogram = Spectrogram::new(FRAME);
+    let bins = spectrogram.bin_count();
+    let count = spectrogram.frame_count(recording.len());
+    let frames: Vec<usize> = (0..=FRAMES).map(|index| count * index * index / (FRAMES * FRAMES)).collect();
+    let frames: Vec<usize> = frames.windows(2).filter(|pair| pair[0] < pair[1]).map(|pair| pair[0]).collect();
+    let starts_s: Vec<f64> = frames.iter().map(|frame| (frame * spectrogram.hop()) as f64 / rate_hz).collect();
+    let model: Vec<f64> = recording.iter().zip(left).map(|(recording, left)| recording - left).collect();
+    // Power that noise of unit rms has in a frame, summed over all bins.
+    let unit = spectrogram.window().iter().map(|w| w * w).sum::<f64>() * FRAME as f64 / 2.0;
+    let [wanted, given] = [recording, &model].map(|sound| -> Vec<f64> {
+        let of_frame = |frame: &usize| {
+            let from = frame * spectrogram.hop();
+            spectrogram.power(&sound[from..sound.len().min(from + FRAME)])
+        };
+        frames.iter().flat_map(of_frame).collect()
+    });
+    let edges_hz = usual_edges_hz(rate_hz);
+    let powers = |power: &[f64], edge: &[f64]| -> Vec<f64> {
+        let [from, to] = [edge[0], edge[1]].map(|hz| hz / rate_hz * FRAME as f64);
+        power.chunks_exact(bins).map(|frame| band_power(frame, from, to) / unit).collect()
+    };
+    let wanted: Vec<Vec<f64>> = edges_hz.windows(2).map(|edge| powers(&wanted, edge)).collect();
+    let loudest = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let floor = FLOOR * loudest;
+    let bands = edges_hz.windows(2).zip(&wanted).map(|(edge, wanted)| {
+        let given = powers(&given, edge);
+        let mut best = (f64::INFINITY, 0.0, 100.0);
+        for decay_db_per_s in DECAYS_DB_PER_S {
+            let falls: Vec<f64> =
+                starts_s.iter().map(|start_s| 10f64.powf(-decay_db_per_s * (start_s + MIDDLE_S) / 10.0)).collect();
+            for step in 0..LEVELS {
+                let power = floor * 10f64.powf(0.1 * LEVEL_DB * (f64::from(step) - 1.0));
+                let error = |((wanted, given), fall): ((&f64, &f64), &f64)| {
+                    (10.0 * ((given + power * fall + floor) / (wanted + floor)).log10()).powi(2)
+                };
+                let cost: f64 = wanted.iter().zip(&given).zip(&falls).map(error).sum();
+                if cost < best.0 {
+                    best = (cost, power, decay_db_per_s);
+                }
+            }
+        }
+        Band { edges_hz: [edge[0], edge[1]], weight: best.1.sqrt(), decay_db_per_s: best.2 }
+    });
+    bands.collect()
+}
