@@ -19,6 +19,7 @@ mod fader;
 mod held;
 mod load;
 mod load_modes;
+mod moving;
 mod plan;
 mod render;
 mod report;

@@ -15,8 +15,8 @@ use crate::counters;
 use crate::half::HALF_FRAMES;
 use crate::usb::{self, Incoming, Outgoing};
 
-/// Maximum number of packets that a half takes: one full transfer. Others wait for the next half, as
-/// do all while no more events can wait.
+/// Maximum number of packets that a half takes: one full transfer. Others wait for the next half,
+/// as do all while no more events can wait.
 const PACKETS_PER_HALF: usize = 16;
 /// Core cycles of a frame of the output.
 const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;

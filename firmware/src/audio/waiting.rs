@@ -53,8 +53,8 @@ impl Waiting {
     /// that frame. Returns the number of strikes that are put off, and the work of the others.
     ///
     /// Each strike is one piece of work, and `moving` tells how many more it is because its pad has
-    /// to move to the strike's position; it is called with NaN for a pad that moves before. There is
-    /// time for `most` pieces, and for the first strike.
+    /// to move to the strike's position; it is called with NaN for a pad that moves before. There
+    /// is time for `most` pieces, and for the first strike.
     pub(super) fn put_off(&mut self, most: usize, frame: u64, moving: impl Fn(u8, f32) -> usize) -> (u32, usize) {
         let (mut work, mut late, mut moved_pads) = (0, 0, 0u32);
         let due = self.events.iter_mut().take(self.count).take_while(|event| event.time.first_frame() < frame);

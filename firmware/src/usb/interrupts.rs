@@ -83,8 +83,9 @@ fn I2C3_EV() {
             <usb::InterruptHandler<peripherals::USB_OTG_FS> as Handler<typelevel::OTG_FS>>::on_interrupt();
         }
         if flags.usbrst() {
-            // A suspension before this reset is over. Told behind it, as after an erase in which the
-            // cable was pulled and plugged in, it would leave the device suspended on a bus that runs.
+            // A suspension before this reset is over. Told behind it, as after an erase in which
+            // the cable was pulled and plugged in, it would leave the device suspended on a bus
+            // that runs.
             OTG.gintsts().write(|w| w.set_usbsusp(true));
             forget_packets();
             HOST_IS_NEW.store(true, Ordering::Relaxed);
