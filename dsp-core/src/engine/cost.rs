@@ -98,7 +98,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::Strike, 2900),
     (CostItem::Choke, 640),
     (CostItem::ChokedMode, 60),
-    (CostItem::MovedMode, 1600),
+    (CostItem::MovedMode, 1300),
     (CostItem::SecondFrame, 205),
     (CostItem::OnsetFrame, 32),
     (CostItem::Survey, 5500),
