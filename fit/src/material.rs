@@ -78,15 +78,7 @@ mod tests {
                 decay_per_s: 0.5 * (alpha + beta * (std::f64::consts::TAU * frequency_hz).powi(2)),
                 gains: vec![[1.0, 0.0]],
             });
-            let fit = Fit {
-                rate_hz: 44_100.0,
-                modes: modes.into(),
-                strikes: vec![],
-                measured: false,
-                noise: vec![],
-                is_exact: false,
-                loudest: 0,
-            };
+            let fit = Fit { modes: modes.into(), ..Fit::silent(44_100.0) };
             assert_eq!(guess(&fit).map(|guess| guess.name), Some(name));
         }
     }

@@ -136,15 +136,7 @@ mod tests {
     use super::*;
 
     fn table(peak_force: f32) -> Kit {
-        let fit = Fit {
-            rate_hz: 44_100.0,
-            modes: vec![],
-            strikes: vec![],
-            measured: false,
-            noise: vec![],
-            is_exact: false,
-            loudest: 0,
-        };
+        let fit = Fit::silent(44_100.0);
         let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
         let mut table = of_fit(&fit, &provenance);
         table.strikers[0].peak_force = peak_force;

@@ -29,6 +29,7 @@ use super::kernel::section::{Response, Section};
 use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::fixed::{Log2, times_q31};
+use crate::square_root::rounded_root;
 
 /// Band-pass of the exciter: two sections.
 #[derive(Clone, Copy, Debug)]
@@ -127,11 +128,11 @@ impl BandPass {
             // cancels. The low pole is found from the product of both poles, ω0².
             let (re, im) =
                 if sign > 0.0 { low_pole(square, half, root(-square, -2.0 * half * half)) } else { (re, im) };
-            let g = square_root(re * re + im * im);
+            let g = rounded_root(re * re + im * im);
             let k = -2.0 * re / g;
             let below = 1.0 + g * (g + k);
             let gain = match (self.wide, sign > 0.0) {
-                (false, _) => width / square_root(square),
+                (false, _) => width / rounded_root(square),
                 // The high-pass comes first, with gain 1. The low-pass' gain becomes width²/ω².
                 (true, true) => 1.0,
                 (true, false) => width * width / (g * g),
@@ -189,9 +190,9 @@ fn tangent(x: f32) -> f32 {
 
 /// Square root of a complex number: the root whose real part is positive.
 fn root(re: f32, im: f32) -> (f32, f32) {
-    let size = square_root(re * re + im * im);
+    let size = rounded_root(re * re + im * im);
     // The larger part is found without cancellation, the other one from the product of both.
-    let larger = square_root((size + re.abs()) / 2.0);
+    let larger = rounded_root((size + re.abs()) / 2.0);
     let other = im / (2.0 * larger);
     if re >= 0.0 { (larger, other) } else { (other.abs(), if im < 0.0 { -larger } else { larger }) }
 }
@@ -201,10 +202,6 @@ fn low_pole(square: f32, half: f32, (re, im): (f32, f32)) -> (f32, f32) {
     let (re, im) = (-half - re, half - im);
     let size = re * re + im * im;
     (square * re / size, -square * im / size)
-}
-
-fn square_root(x: f32) -> f32 {
-    libm::sqrtf(x)
 }
 
 #[cfg(test)]

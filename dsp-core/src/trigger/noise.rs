@@ -4,9 +4,9 @@ use super::units::{COUNT, scale_q8};
 
 /// Mean of the envelope while nothing is struck, in signal units.
 ///
-/// It rises only if no strike has rung for a while, so that a roll is not mistaken for noise. Until
-/// then it falls only for an envelope below half of it: following each dip of steady noise and no
-/// rise, it would sink in a roll until noise counts as strikes.
+/// The floor rises only if no strike has begun for 0.15 s: a roll is not noise. In a roll it falls
+/// only where the envelope is below half of the floor. A floor that followed every dip of steady
+/// noise, and no rise, would sink until noise is taken for strikes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseFloor {
     mean_q12: i32,

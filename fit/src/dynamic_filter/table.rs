@@ -89,15 +89,7 @@ fn heard_in_instrument(heard: &Heard, model: &Model, provenance: &Provenance) ->
 
 /// The table of a model: the model's sound at velocity 1, and softer strikes by Hertz's law.
 pub fn of_model(model: &Model, provenance: &Provenance, seed: u32) -> kit::Kit {
-    let silent = Fit {
-        rate_hz: RATE_HZ,
-        modes: vec![],
-        strikes: vec![],
-        measured: false,
-        noise: vec![],
-        is_exact: false,
-        loudest: 0,
-    };
+    let silent = Fit::silent(RATE_HZ);
     let mut table = table::of_fit(&silent, provenance);
     let highest_hz = model.modes.iter().map(|mode| mode.frequency_hz).fold(1.0, f64::max);
     let contact_s = (1.0 / highest_hz).clamp(CONTACT_S[0], CONTACT_S[1]);

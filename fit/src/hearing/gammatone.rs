@@ -18,7 +18,8 @@ fn erb_hz(hz: f64) -> f64 {
     24.7 * (0.004_37 * hz + 1.0)
 }
 
-/// Centres of the 60 bands in Hz, equally spaced on the ERB scale up to 16 kHz or 0.45 of the rate.
+/// Returns the centres of the 60 bands in Hz. They are equally spaced on the ERB scale, from 60 Hz to
+/// 16 kHz, or to 0.45 of the sample rate if that is lower.
 pub fn centres_hz(rate_hz: f64) -> Vec<f64> {
     let rate_of = |hz: f64| (1.0 + 0.004_37 * hz).ln();
     let [low, high] = [rate_of(RANGE_HZ[0]), rate_of(RANGE_HZ[1].min(0.45 * rate_hz))];
@@ -38,10 +39,9 @@ pub(super) fn response(hz: f64, centre_hz: f64) -> f64 {
     (1.0 + detune * detune).powi(-4)
 }
 
-/// Power envelopes of fourth-order gammatone bands (twice the mean square), a value each 2 ms, band
-/// after band.
+/// Returns the power of each gammatone band of fourth order, a value for each 2 ms.
 ///
-/// Each value is the mean over the whole number of samples in 2 ms.
+/// A value is twice the mean square over the whole number of samples in 2 ms.
 pub(super) fn power(samples: &[f64], rate_hz: f64, centres_hz: &[f64]) -> Vec<Vec<f64>> {
     let hop = HOP_S * rate_hz;
     let step = hop as usize;

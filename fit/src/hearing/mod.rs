@@ -7,8 +7,8 @@
 //! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
 //! | partials | share of the audible partials whose level is right within 3 dB |
 //!
-//! The strike begins at its onset. What precedes it in the recording is the background, which masks
-//! quiet partials and is not counted as part of the strike.
+//! A strike is judged from its onset on. The sound before the onset is the background: it masks
+//! quiet partials, and is not part of the strike.
 
 mod gammatone;
 mod loudness;

@@ -293,15 +293,7 @@ mod tests {
         // Single estimates scatter; their mean over many noises has no significant bias.
         const DRAWS: u32 = 16;
         let silent = table::of_fit(
-            &crate::strike::Fit {
-                rate_hz,
-                modes: vec![],
-                strikes: vec![],
-                measured: false,
-                noise: vec![],
-                is_exact: false,
-                loudest: 0,
-            },
+            &crate::strike::Fit::silent(rate_hz),
             &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
         );
         let mut mean = vec![(0.0, 0.0); truth.len()];

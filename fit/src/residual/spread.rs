@@ -42,15 +42,7 @@ pub(super) fn measured(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<
 fn measure(edges_hz: &[f64], rate_hz: f64, window: usize) -> Result<Vec<Vec<f64>>, FitError> {
     let spectrogram = Spectrogram::new(window);
     let silent = table::of_fit(
-        &crate::strike::Fit {
-            rate_hz,
-            modes: vec![],
-            strikes: vec![],
-            measured: false,
-            noise: vec![],
-            is_exact: false,
-            loudest: 0,
-        },
+        &crate::strike::Fit::silent(rate_hz),
         &table::Provenance { name: "noise".to_owned(), source: String::new(), licence: String::new() },
     );
     let places: Vec<f64> = edges_hz.iter().map(|edge| edge / rate_hz * window as f64).collect();

@@ -57,15 +57,7 @@ mod tests {
     use crate::table::{Provenance, of_fit};
 
     fn table(peak_force: f32) -> Kit {
-        let fit = Fit {
-            rate_hz: 44_100.0,
-            modes: vec![],
-            strikes: vec![],
-            measured: false,
-            noise: vec![],
-            is_exact: false,
-            loudest: 0,
-        };
+        let fit = Fit::silent(44_100.0);
         let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
         let mut table = of_fit(&fit, &provenance);
         table.strikers[0].peak_force = peak_force;
@@ -104,15 +96,7 @@ mod tests {
         let provenance = Provenance { name: "mug".to_owned(), source: String::new(), licence: String::new() };
         for (peak_force, expected) in [(250.0, 250.0), (0.5, 1.0), (1.0, 1.0)] {
             let strikes = vec![strike(peak_force)];
-            let fit = Fit {
-                rate_hz: 44_100.0,
-                modes: vec![],
-                strikes,
-                measured: true,
-                noise: vec![],
-                is_exact: false,
-                loudest: 0,
-            };
+            let fit = Fit { strikes, measured: true, ..Fit::silent(44_100.0) };
             let band = Band { edges_hz: [100.0, 200.0], weight: 0.02, decay_db_per_s: 10.0 };
             let table = with_residual(of_fit(&fit, &provenance), &[band], 7);
             let object = &table.objects[0];

@@ -111,6 +111,14 @@ pub struct Fit {
     pub loudest: usize,
 }
 
+impl Fit {
+    /// Fit without a mode and without a strike: tables of other stages begin with it.
+    pub fn silent(rate_hz: f64) -> Self {
+        let (modes, strikes, noise) = (Vec::new(), Vec::new(), Vec::new());
+        Self { rate_hz, modes, strikes, measured: false, noise, is_exact: false, loudest: 0 }
+    }
+}
+
 /// Gain g of `Σ F[m] Re(g z^(n-m))` as sine and cosine gains of a table.
 ///
 /// A table's response is the sum over samples divided by the rate.

@@ -1,7 +1,9 @@
 //! Modes and noise of one strike, as near to the recording as an ear tells.
 //!
-//! Candidates from subbands, those chosen that explain most loudness, gains by joint least squares,
-//! and noise from what they leave: from there the joint descent begins.
+//! 1. Subbands give candidates; those that explain most loudness are chosen.
+//! 2. Joint least squares give the gains of the chosen modes.
+//! 3. The rest of the sound gives the noise bands.
+//! 4. A descent moves modes and noise bands together.
 
 use nalgebra::Complex;
 
@@ -277,7 +279,8 @@ fn is_mode(mode: &DampedSine, rate_hz: f64, settings: Settings) -> bool {
     (settings.lowest_hz..0.49 * rate_hz).contains(&mode.frequency_hz) && mode.decay_per_s < settings.fastest_decay_per_s
 }
 
-/// True if a residual does not die away: its first tenth is no louder than twice its quietest part.
+/// Returns true if a residual does not die away: the power of its first tenth is at most twice that
+/// of its quietest tenth.
 fn is_noise(left: &[f64]) -> bool {
     let size = (left.len() / PARTS).max(1);
     let powers: Vec<f64> = left.chunks_exact(size).map(|part| part.iter().map(|x| x * x).sum()).collect();

@@ -52,7 +52,7 @@ fn a_piezo_beside_open_grounded_and_hanging_inputs_sounds_its_pad_alone() {
 /// `cargo test -p virtual-board --test boards inputs -- --ignored --nocapture`: 1000 hits a
 /// board.
 #[test]
-#[ignore = "takes minutes; the test of 200 hits runs always"]
+#[ignore = "takes minutes; the test of 100 hits a board runs always"]
 fn a_piezo_beside_other_inputs_sounds_its_pad_alone_over_1000_strikes() {
     its_pad_alone_sounds(250);
 }

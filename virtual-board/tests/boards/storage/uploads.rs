@@ -36,7 +36,7 @@ fn kit_is_sent_while_the_board_plays_reads_back_identical_and_plays() {
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes; the test of a kit of 17 KB runs always"]
+#[ignore = "takes minutes; the test of a kit of 9 KB runs always"]
 fn kit_of_128_kb_takes_at_most_12_s_with_the_longest_times_of_flash() {
     for board in Board::ALL {
         kit_is_sent_read_back_and_played(board, SLOT_BYTES);
