@@ -5,8 +5,8 @@ use dsp_core::event::{Action, Event, Time};
 /// Maximum number of events that wait. A press that chokes a whole kit makes one event per pad.
 const WAITING: usize = 32;
 
-/// Number of strikes that take as long as a cut of a half at another frame, where the engine renders
-/// and predicts anew: on the BlackPill two strikes at two frames filled a half
+/// Number of strikes that take as long as a cut of a half at another frame, where the engine
+/// renders and predicts anew: on the BlackPill two strikes at two frames filled a half
 /// (`cargo test -p virtual-board --test boards usb::times`).
 const CUT: usize = 2;
 

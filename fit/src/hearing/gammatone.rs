@@ -18,8 +18,8 @@ fn erb_hz(hz: f64) -> f64 {
     24.7 * (0.004_37 * hz + 1.0)
 }
 
-/// Returns the centres of the 60 bands in Hz. They are equally spaced on the ERB scale, from 60 Hz to
-/// 16 kHz, or to 0.45 of the sample rate if that is lower.
+/// Returns the centres of the 60 bands in Hz. They are equally spaced on the ERB scale, from 60 Hz
+/// to 16 kHz, or to 0.45 of the sample rate if that is lower.
 pub fn centres_hz(rate_hz: f64) -> Vec<f64> {
     let rate_of = |hz: f64| (1.0 + 0.004_37 * hz).ln();
     let [low, high] = [rate_of(RANGE_HZ[0]), rate_of(RANGE_HZ[1].min(0.45 * rate_hz))];

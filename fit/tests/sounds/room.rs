@@ -148,8 +148,8 @@ fn write(path: &std::path::Path, sound: &[f64]) {
     writer.finalize().expect("written");
 }
 
-/// Modes and noise that are fitted together come nearer to this recording than the thing itself does
-/// in another draw of the same room. So no room can bring the table nearer.
+/// Modes and noise that are fitted together come nearer to this recording than the thing itself
+/// does in another draw of the same room. So no room can bring the table nearer.
 #[test]
 fn a_room_that_modes_and_noise_explain_is_reported_and_not_in_the_table() {
     let folder = tempfile::tempdir().expect("a folder");
