@@ -199,8 +199,7 @@ impl VirtualBoard {
     /// virtual board does not model.
     pub fn run_until(&mut self, seconds: f64) -> Result<(), BoardError> {
         loop {
-            let (due, lines_changed) = self.look_after_devices(seconds)?;
-            let Some(due) = due else {
+            let Some(due) = self.look_after_devices(seconds)? else {
                 self.account.settle(self.machine.now());
                 return Ok(());
             };
@@ -208,7 +207,7 @@ impl VirtualBoard {
                 self.machine.sleep_until(due);
                 continue;
             }
-            if self.caught || self.asleep && !lines_changed {
+            if self.caught || self.asleep {
                 self.sleep_until(due);
                 continue;
             }
@@ -233,9 +232,8 @@ impl VirtualBoard {
 
     /// Lets all events happen that are due.
     ///
-    /// Returns the cycle of the next event, `None` at the end, and true if an interrupt line
-    /// changed.
-    fn look_after_devices(&mut self, end_s: f64) -> Result<(Option<u64>, bool), BoardError> {
+    /// Returns the cycle of the next event, `None` at the end.
+    fn look_after_devices(&mut self, end_s: f64) -> Result<Option<u64>, BoardError> {
         let shared = Arc::clone(&self.devices);
         let mut devices = shared.lock();
         let now = self.machine.now();
@@ -274,32 +272,32 @@ impl VirtualBoard {
         }
         if devices.is_power_lost {
             self.power_lost_s.get_or_insert(devices.seconds(now));
-            return Ok((None, false));
+            return Ok(None);
         }
         self.look_after_flash(&devices, now)?;
         if self.account.audio_number.is_none() {
             let stream = devices.audio_stream();
             self.account.audio_number = stream.map(|(controller, stream)| dma_line(controller, stream) + 16);
         }
-        let lines_changed = self.drive_lines(devices.lines(), now);
+        self.drive_lines(devices.lines(), now);
         if let Some(until) = stalled {
             // The core stands still. The next call lets the devices catch up.
             self.machine.sleep_until(until);
-            return Ok((Some(until), true));
+            return Ok(Some(until));
         }
         let end = devices.cycle_at(end_s);
         if now >= end {
-            return Ok((None, lines_changed));
+            return Ok(None);
         }
         let next = [devices.next_event(), devices.watchdog_due(), devices.cycle_at(self.schedule.next_s())];
         let due = next.into_iter().fold(end.min(now + LONGEST_RUN_CYCLES), u64::min);
-        Ok((Some(due.max(now + 1)), lines_changed))
+        Ok(Some(due.max(now + 1)))
     }
 
-    /// Drives the core's interrupt lines; returns true if one changed.
-    fn drive_lines(&mut self, lines: u128, now: u64) -> bool {
+    /// Drives the core's interrupt lines. If one changes, a core that sleeps looks whether to wake.
+    fn drive_lines(&mut self, lines: u128, now: u64) {
         let mut changed = lines ^ self.lines;
-        let any = changed != 0;
+        self.asleep &= changed == 0;
         self.lines = lines;
         while changed != 0 {
             let line = changed.trailing_zeros() as u16;
@@ -310,7 +308,6 @@ impl VirtualBoard {
                 self.account.asserted(line, now);
             }
         }
-        any
     }
 
     fn act(&mut self, action: Action, devices: &mut Devices, now: u64) -> Result<(), BoardError> {

@@ -107,3 +107,20 @@ pub(crate) fn measure(board: Board, piezo: usize, count: usize, peak: f32, conta
     );
     (smallest, largest)
 }
+
+/// A core that sleeps when a part of a run ends wakes in the next part by the interrupt of that
+/// cycle. 1.4 ms, more than two halves, are run cycle by cycle, so that one part ends at that very
+/// cycle.
+#[test]
+fn board_that_runs_in_parts_misses_no_interrupt_between_them() {
+    let board = Board::Stm32f407gDisc1;
+    let mut running = common::run(board, &Setup::default(), 0.4);
+    let cycle_s = 1.0 / 168e6;
+    for cycle in 1..=(1.4e-3 / cycle_s) as u32 {
+        running.run_until(0.4 + f64::from(cycle) * cycle_s).unwrap();
+    }
+    running.run_until(0.5).unwrap();
+    let report = running.report().unwrap();
+    let missed: Vec<_> = report.log.iter().filter(|line| line.message.contains("missed")).collect();
+    assert!(missed.is_empty(), "{missed:#?}");
+}
