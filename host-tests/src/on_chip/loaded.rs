@@ -6,22 +6,25 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use virtual_core::{Call, Machine, RAM_ADDRESS, RAM_BYTES};
+use virtual_core::{CCM_ADDRESS, CCM_BYTES, Call, Machine, RAM_ADDRESS, RAM_BYTES};
 
 use super::OnChipError;
 
-/// Call of a load, and the RAM after it.
+/// Memories that a load fills: address and bytes.
+const MEMORIES: [(u32, u32); 2] = [(RAM_ADDRESS, RAM_BYTES), (CCM_ADDRESS, CCM_BYTES)];
+
+/// Call of a load, and the memories after it.
 struct Loaded {
     call: Call,
-    ram: Vec<u8>,
+    memories: [Vec<u8>; MEMORIES.len()],
 }
 
 static LOADS: Mutex<Option<HashMap<Vec<u8>, Arc<Loaded>>>> = Mutex::new(None);
 
-/// Runs a load, or restores the RAM and the call of the first load with the same key.
+/// Runs a load, or restores the memories and the call of the first load with the same key.
 ///
 /// The key holds the image's name and all that the load depends on. The load may not depend on
-/// RAM. A restored load leaves no counts in the machine's profile.
+/// RAM or CCM. A restored load leaves no counts in the machine's profile.
 pub(super) fn load_once(
     machine: &mut Machine,
     key: Vec<u8>,
@@ -29,13 +32,17 @@ pub(super) fn load_once(
 ) -> Result<Call, OnChipError> {
     let known = LOADS.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default().get(&key).cloned();
     if let Some(known) = known {
-        machine.write(RAM_ADDRESS, &known.ram)?;
+        for ((address, _), bytes) in MEMORIES.into_iter().zip(&known.memories) {
+            machine.write(address, bytes)?;
+        }
         return Ok(known.call);
     }
     let call = load(machine)?;
-    let mut ram = vec![0; RAM_BYTES as usize];
-    machine.read(RAM_ADDRESS, &mut ram)?;
+    let mut memories = MEMORIES.map(|(_, bytes)| vec![0; bytes as usize]);
+    for ((address, _), bytes) in MEMORIES.into_iter().zip(&mut memories) {
+        machine.read(address, bytes)?;
+    }
     let mut loads = LOADS.lock().unwrap_or_else(PoisonError::into_inner);
-    loads.get_or_insert_default().insert(key, Arc::new(Loaded { call, ram }));
+    loads.get_or_insert_default().insert(key, Arc::new(Loaded { call, memories }));
     Ok(call)
 }
