@@ -54,10 +54,10 @@ pub const MIN_CONTACT_TIME_S: f64 = 1e-5;
 impl StrikerLaw {
     /// Derives the law of a table for an object whose force bus has 1.0 = `reference_force`.
     ///
-    /// Each strike derives it anew from a table that is read in place. It is computed in `f32`,
-    /// within 2^-21 of the exact law (0.000004 dB), in about 150 cycles of a Cortex-M4F.
-    pub fn new(contact: &ContactTable<'_>, reference_force: f32, rate: SampleRate) -> Self {
-        let pulse = pulse_of(contact);
+    /// Each strike derives it anew from a table that is read in place, but for the `pulse` of the
+    /// table. It is computed in `f32`, within 2^-21 of the exact law (0.000004 dB), in about 150
+    /// cycles of a Cortex-M4F.
+    pub fn new(contact: &ContactTable<'_>, pulse: Pulse, reference_force: f32, rate: SampleRate) -> Self {
         let samples_a_second = pulse.length() as f32 * rate.hz_f32();
         // `as` saturates; at 8 kHz and [`MIN_CONTACT_TIME_S`] the step is 12.5 times the whole.
         let step = |contact_time_s: f32| (WHOLE as f32 / (contact_time_s * samples_a_second)) as u64;
@@ -87,6 +87,32 @@ impl StrikerLaw {
         // Not `clamp`, whose panic on a reversed range would be linked.
         let step = logarithm.power(self.step_exponent_q27).of(self.step).max(slowest).min(fastest);
         (peak > 0).then_some(Impact { pulse: self.pulse, peak, step })
+    }
+}
+
+/// Hertz pulse of the striker that struck a pad last, so that its other strikes need not derive it
+/// anew, which takes 400 cycles with the waits of flash.
+#[derive(Clone, Copy, Debug)]
+pub struct LastPulse {
+    /// Coefficient of restitution; 0 for none.
+    restitution: f32,
+    pulse: Pulse,
+}
+
+impl LastPulse {
+    /// No striker.
+    pub const NONE: Self = Self { restitution: 0.0, pulse: Pulse::Gaussian };
+
+    /// Returns the pulse of a striker's contact.
+    pub fn of(&mut self, contact: &ContactTable<'_>) -> Pulse {
+        if contact.is_gaussian() {
+            return Pulse::Gaussian;
+        }
+        let restitution = contact.restitution();
+        if self.restitution != restitution {
+            *self = Self { restitution, pulse: Pulse::hertz(restitution) };
+        }
+        self.pulse
     }
 }
 

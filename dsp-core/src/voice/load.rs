@@ -162,6 +162,9 @@ impl<'k: 'm, 'm> Voice<'k, 'm> {
             *slot = Some(striker.contact());
             self.striker_count += 1;
         }
+        if let Some(first) = self.contacts.iter().flatten().next() {
+            self.last_pulse.of(first);
+        }
         let in_frames = usize::from(self.frames.is_some());
         if let (Some(frames), Some(mixer)) = (self.frames.as_deref_mut(), mixer) {
             let table = tables.object_table(NO_CONTACT);

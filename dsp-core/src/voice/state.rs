@@ -5,7 +5,7 @@ use super::form::Form;
 use super::residual::Residual;
 use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
-use crate::contact::law::{Impact, StrikerLaw};
+use crate::contact::law::{Impact, LastPulse, StrikerLaw};
 use crate::fixed;
 use crate::frames::{FrameBank, InFrames};
 use crate::output::Panner;
@@ -34,6 +34,7 @@ pub struct Voice<'k, 'm> {
     pub(crate) residual: Option<&'m mut Residual<'m>>,
     /// Contacts of the strikers, as they lie in the kit.
     pub(super) contacts: [Option<ContactTable<'k>>; STRIKERS_PER_PAD],
+    pub(super) last_pulse: LastPulse,
     pub(super) reference_force: f32,
     pub(super) striker_count: u8,
     pub(super) mode_count: u16,
@@ -102,6 +103,7 @@ impl Voice<'_, '_> {
             filters: None,
             residual: None,
             contacts: [None; STRIKERS_PER_PAD],
+            last_pulse: LastPulse::NONE,
             reference_force: 0.0,
             striker_count: 0,
             mode_count: 0,
@@ -188,7 +190,8 @@ impl Voice<'_, '_> {
     /// Begins a strike and gives its impact; `None` if the strike does nothing.
     pub fn strike(&mut self, velocity: f32, striker: u8, rate: SampleRate) -> Option<Impact> {
         let contact = self.contacts.get(usize::from(striker))?.as_ref()?;
-        let impact = StrikerLaw::new(contact, self.reference_force, rate).impact(velocity)?;
+        let pulse = self.last_pulse.of(contact);
+        let impact = StrikerLaw::new(contact, pulse, self.reference_force, rate).impact(velocity)?;
         let steps = u32::try_from(impact.sum().div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
         self.expected = self.expected.saturating_add(steps);
         self.struck = true;
