@@ -32,7 +32,7 @@ pub fn start_clocks() -> Peripherals {
     let peripherals = embassy_stm32::init(config);
     // The library leaves its clock at the highest priority, where it would delay the sound.
     interrupt::TIM4.set_priority(Priority::P2);
-    switch_flash_accelerator_on();
+    switch_flash_caches_on();
     if pac::FLASH.optcr().read().bor_lev() == BROWN_OUT_OFF {
         defmt::warn!("brown-out reset: off; set the option byte BOR_LEV, as docs/hardware.md says");
     }
@@ -54,11 +54,13 @@ fn crystal_starts() -> bool {
     })
 }
 
-/// Switches prefetch and caches of the flash on.
+/// Switches the caches of the flash on.
 ///
 /// The hardware library sets the wait states alone: without the caches every jump waits for the
-/// flash. Caches may be reset only while they are off.
-fn switch_flash_accelerator_on() {
+/// flash. Caches may be reset only while they are off. The prefetch stays off: by RM0090 section
+/// 3.5.2 a line that was prefetched is not cached, so that loops of straight code would wait for
+/// flash in each pass (`virtual_core::cycle::flash`).
+fn switch_flash_caches_on() {
     pac::FLASH.acr().modify(|w| {
         w.set_icen(false);
         w.set_dcen(false);
@@ -72,7 +74,6 @@ fn switch_flash_accelerator_on() {
         w.set_dcrst(false);
     });
     pac::FLASH.acr().modify(|w| {
-        w.set_prften(true);
         w.set_icen(true);
         w.set_dcen(true);
     });

@@ -121,7 +121,7 @@ pub fn play_engine(
         let (_, call) = chip.render(&events, direct, TICK_FRAMES)?;
         if ticks.contains(&tick) {
             let [nominal, with_flash] =
-                [call.cost.nominal, call.cost.flash_168].map(|cycles| cycles as f64 / TICK_FRAMES as f64);
+                [call.cost.nominal, call.cost.with_flash()].map(|cycles| cycles as f64 / TICK_FRAMES as f64);
             let predicted = f64::from(chip.told()?.predicted_cycles) / TICK_FRAMES as f64;
             for (sum, one) in [
                 (&mut played.mean, nominal),

@@ -118,7 +118,7 @@ impl SceneCost {
             scene: scene.into(),
             modes: modes as u32,
             cycles_per_frame_nominal: per_frame,
-            cycles_per_frame_with_flash: self.total.flash_168 as f64 / frames,
+            cycles_per_frame_with_flash: self.total.with_flash() as f64 / frames,
             share_of_168_mhz: share(168e6),
             share_of_96_mhz: share(96e6),
         }

@@ -132,7 +132,7 @@ pub(super) fn row(
         cycles_best: each(measured.cost.best),
         cycles_nominal: each(measured.cost.nominal),
         cycles_worst: each(measured.cost.worst),
-        cycles_with_flash: each(measured.cost.flash_168),
+        cycles_with_flash: each(measured.cost.with_flash()),
         instructions: each(measured.cost.instructions),
         loop_bytes: measured.loop_bytes,
         snr_worst_db: snr.map(|(worst, _)| worst),

@@ -76,7 +76,7 @@ fn the_kernels_keep_their_cycles_and_their_loops_fit_the_flash_cache() {
     {
         let cost = run(&mut chip, 1000.0, cosine, driven, TICK_FRAMES);
         let per = cost.nominal as f64 / f64::from(240 * 32);
-        let with_flash = cost.flash_168 as f64 / cost.nominal as f64;
+        let with_flash = cost.with_flash() as f64 / cost.nominal as f64;
         // The inner loop runs most instructions. The outer one, which brings the next modes, is
         // left out.
         let inner = chip.machine().loops().into_iter().filter(|found| found.iterations > 1).map(|found| found.bytes);

@@ -345,11 +345,11 @@ impl Devices {
     fn clocks_changed(&mut self, now: u64) -> Access<()> {
         let tree = self.rcc.tree()?;
         let needed = self.wiring.chip.wait_states(tree.core);
-        if self.flash.latency() < needed {
+        if u32::from(self.flash.switches().wait_states) < needed {
             let reason = format!(
                 "the core runs at {}, which needs {needed} wait states of flash; FLASH_ACR.LATENCY is {}",
                 tree.core,
-                self.flash.latency()
+                self.flash.switches().wait_states
             );
             return Err(Problem::ClockTree { reason });
         }

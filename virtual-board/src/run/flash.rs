@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use virtual_core::{Core, FLASH_ADDRESS, FLASH_BYTES, Image, Machine, Pace};
+use virtual_core::{Core, FLASH_ADDRESS, FLASH_BYTES, Image, Machine};
 
 use super::bus::StaleSector;
 use super::{Setup, VirtualBoard};
@@ -73,14 +73,7 @@ impl VirtualBoard {
 
     /// Follows the flash: its wait states, its caches, and an operation for which the core waits.
     pub(super) fn look_after_flash(&mut self, devices: &Devices, now: u64) -> Result<(), BoardError> {
-        let accelerator = devices.flash();
-        if accelerator != self.accelerator {
-            self.accelerator = accelerator;
-            let waits = accelerator.0;
-            let refill_cycles = if self.flash_waits && waits > 0 { u64::from(waits) + 1 } else { 0 };
-            self.machine.set_pace(Pace { case: self.case, refill_cycles });
-            self.machine.accelerator().switch(accelerator.1, accelerator.2);
-        }
+        self.machine.accelerator().switch(devices.flash_switches());
         let stale = devices.stale_sectors();
         if stale != self.stale {
             self.trap_stale_sectors(stale)?;

@@ -13,7 +13,7 @@ mod usb;
 
 use std::sync::Arc;
 
-use virtual_core::{Clock, Core, CycleCase, Image, Machine, ReadTrap, RunError, Stop};
+use virtual_core::{Clock, Core, CycleCase, Image, Machine, Pace, ReadTrap, RunError, Stop};
 
 use crate::codec::Codec;
 use crate::devices::Devices;
@@ -99,11 +99,6 @@ pub struct VirtualBoard {
     /// True while no debug probe fetches the log.
     probe_away: bool,
     account: Account,
-    case: CycleCase,
-    flash_waits: bool,
-    /// Wait states of flash, and two flags: true if its instruction cache is on, and true if its
-    /// data cache is on.
-    accelerator: (u32, bool, bool),
     /// True while the core stands still for an operation on flash.
     waits_for_flash: bool,
     /// Sectors that the program must not read through its data cache, as bits.
@@ -161,6 +156,7 @@ impl VirtualBoard {
             machine.map(base, bytes, Arc::new(Window { base, devices: Arc::clone(&devices) }))?;
         }
         machine.map_flash_stores(Arc::new(FlashStores(Arc::clone(&devices))))?;
+        machine.set_pace(Pace { case: setup.cycles, flash_waits: setup.flash_waits });
         machine.reset()?;
         if setup.probe_catches_faults {
             machine.catch_faults();
@@ -176,9 +172,6 @@ impl VirtualBoard {
             clock,
             schedule: Schedule::new(&setup.presses, &setup.faults),
             account: Account::default(),
-            case: setup.cycles,
-            flash_waits: setup.flash_waits,
-            accelerator: (0, true, true),
             waits_for_flash: false,
             stale: 0,
             stale_traps: Vec::new(),

@@ -245,12 +245,12 @@ impl VirtualBoard {
         let recording = &devices.recording;
         Ok(Report {
             board: self.board.name(),
-            cycle_case: match self.case {
+            cycle_case: match self.machine.pace().case {
                 CycleCase::Best => "best",
                 CycleCase::Nominal => "nominal",
                 CycleCase::Worst => "worst",
             },
-            flash_waits: self.flash_waits,
+            flash_waits: self.machine.pace().flash_waits,
             flash_bytes: self.image.flash_bytes(),
             static_ram_bytes: self.image.static_ram_bytes(),
             stack_bytes: self.stack_bytes(),

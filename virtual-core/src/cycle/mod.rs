@@ -4,7 +4,7 @@
 //! the *worst* that Arm's tables permit, and a *nominal* one between them. The rules are those of
 //! Arm's Cortex-M4 timing tables, TI's SWCU185G and GCC's `cortex-m4-fpu` description. [`rules`]
 //! has the costs by kind, [`hazard`] those of following another instruction, and [`flash`] the wait
-//! states of flash, which make two further columns.
+//! states of flash, which are counted apart.
 //!
 //! The model leaves out contention on the bus (DMA, two masters in one RAM), the write buffer,
 //! alignment of 32-bit instructions in the prefetch queue, unaligned data, speculative fetches past
@@ -15,8 +15,6 @@ pub mod hazard;
 pub mod rules;
 
 use std::ops::{Add, AddAssign, Sub};
-
-use flash::{REFILL_CYCLES_96_MHZ, REFILL_CYCLES_168_MHZ};
 
 /// Best, nominal and worst cost of one instruction, in cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -60,32 +58,31 @@ pub struct Cost {
     pub nominal: u64,
     /// Worst cycles, with memory without wait states.
     pub worst: u64,
-    /// Number of refills of the flash accelerator, whose waits depend on the core clock
-    /// ([`flash`]).
-    pub refills: u64,
-    /// Nominal cycles with the waits of flash at 168 MHz.
-    pub flash_168: u64,
-    /// Nominal cycles with the waits of flash at 96 MHz.
-    pub flash_96: u64,
+    /// Cycles of waiting for flash, which no column above includes ([`flash`]).
+    pub flash_waits: u64,
 }
 
 impl Cost {
+    /// Returns the nominal cycles with the waits of flash.
+    #[inline]
+    pub fn with_flash(&self) -> u64 {
+        self.nominal + self.flash_waits
+    }
+
     /// Adds one instruction.
     #[inline]
-    pub(crate) fn charge(&mut self, band: Band, refills: u64) {
+    pub(crate) fn charge(&mut self, band: Band, flash_waits: u64) {
         self.instructions += 1;
-        self.wait(band, refills);
+        self.wait(band, flash_waits);
     }
 
     /// Adds cycles that belong to no instruction.
     #[inline]
-    pub(crate) fn wait(&mut self, band: Band, refills: u64) {
+    pub(crate) fn wait(&mut self, band: Band, flash_waits: u64) {
         self.best += u64::from(band.best);
         self.nominal += u64::from(band.nominal);
         self.worst += u64::from(band.worst);
-        self.refills += refills;
-        self.flash_168 += u64::from(band.nominal) + refills * REFILL_CYCLES_168_MHZ;
-        self.flash_96 += u64::from(band.nominal) + refills * REFILL_CYCLES_96_MHZ;
+        self.flash_waits += flash_waits;
     }
 }
 
@@ -98,9 +95,7 @@ impl Add for Cost {
             best: self.best + other.best,
             nominal: self.nominal + other.nominal,
             worst: self.worst + other.worst,
-            refills: self.refills + other.refills,
-            flash_168: self.flash_168 + other.flash_168,
-            flash_96: self.flash_96 + other.flash_96,
+            flash_waits: self.flash_waits + other.flash_waits,
         }
     }
 }
@@ -121,9 +116,7 @@ impl Sub for Cost {
             best: self.best.saturating_sub(other.best),
             nominal: self.nominal.saturating_sub(other.nominal),
             worst: self.worst.saturating_sub(other.worst),
-            refills: self.refills.saturating_sub(other.refills),
-            flash_168: self.flash_168.saturating_sub(other.flash_168),
-            flash_96: self.flash_96.saturating_sub(other.flash_96),
+            flash_waits: self.flash_waits.saturating_sub(other.flash_waits),
         }
     }
 }

@@ -16,13 +16,13 @@ pub enum CycleCase {
     Worst,
 }
 
-/// Pace of a machine's time: a column of the cost, and the cycles of a refill of flash.
+/// Pace of a machine's time: a column of the cost, and the waits of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Pace {
     /// Column of the cost.
     pub case: CycleCase,
-    /// Cycles of a refill of the flash accelerator; 0 leaves flash without waits.
-    pub refill_cycles: u64,
+    /// True if the waits of flash are added to the column.
+    pub flash_waits: bool,
 }
 
 impl Pace {
@@ -34,7 +34,7 @@ impl Pace {
             CycleCase::Nominal => cost.nominal,
             CycleCase::Worst => cost.worst,
         };
-        column + cost.refills * self.refill_cycles
+        column + if self.flash_waits { cost.flash_waits } else { 0 }
     }
 }
 

@@ -109,7 +109,8 @@ impl Machine {
                 // raised it.
                 if instruction.kind == Kind::SupervisorCall {
                     count.executed += 1;
-                    self.total.charge(alone, self.accelerator.fetch(pc, instruction.bytes));
+                    let waits = self.accelerator.fetch(pc, instruction.bytes, self.total.with_flash());
+                    self.total.charge(alone, waits);
                 }
                 self.record_exceptions();
                 self.total.wait(rules::EXCEPTION_ENTRY, 0);
@@ -122,7 +123,7 @@ impl Machine {
             }
 
             count.executed += 1;
-            let mut refills = self.accelerator.fetch(pc, instruction.bytes);
+            let mut waits = self.accelerator.fetch(pc, instruction.bytes, self.total.with_flash());
             let mut band = self.previous.cost(&instruction, alone);
             if passed {
                 self.previous = Previous::of(&instruction);
@@ -151,13 +152,13 @@ impl Machine {
             } else if instruction.kind == Kind::IfThen {
                 self.in_block = true;
             } else if instruction.kind == Kind::Wait && self.core.is_asleep() {
-                self.total.charge(band, refills);
+                self.total.charge(band, waits);
                 return Ok(Ended::Asleep);
             }
             if instruction.is_literal_load() && passed {
-                refills += self.accelerator.load(instruction.target);
+                waits += self.accelerator.load(instruction.target, self.total.with_flash() + waits);
             }
-            self.total.charge(band, refills);
+            self.total.charge(band, waits);
             if instruction.moves_stack() {
                 self.lowest_stack = self.lowest_stack.min(self.core.register(13));
             }

@@ -93,7 +93,7 @@ impl Machine {
             image: image.clone(),
             total: Cost::default(),
             previous: Previous::NOTHING,
-            accelerator: Accelerator::new(),
+            accelerator: Accelerator::default(),
             limit_instructions: DEFAULT_LIMIT_INSTRUCTIONS,
             lowest_stack: u32::MAX,
             in_block: false,
@@ -195,6 +195,11 @@ impl Machine {
         self.pace.cycles(&self.total).wrapping_add_signed(self.cycles_beyond_cost)
     }
 
+    /// Returns the pace of the machine's time.
+    pub fn pace(&self) -> Pace {
+        self.pace
+    }
+
     /// Sets the pace of the machine's time from now on. At first it is nominal cycles without waits
     /// of flash.
     pub fn set_pace(&mut self, pace: Pace) {
@@ -257,9 +262,9 @@ impl Machine {
         self.code.clear_counts();
     }
 
-    /// Empties the caches of the flash accelerator and switches them on.
+    /// Empties the caches and the prefetch buffer of the flash accelerator.
     pub fn clear_flash_cache(&mut self) {
-        self.accelerator = Accelerator::new();
+        self.accelerator.clear();
     }
 }
 

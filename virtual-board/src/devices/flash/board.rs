@@ -1,6 +1,7 @@
 //! Flash on its board: its power, its contents in the machine, and the core that waits for it.
 
 use virtual_core::Machine;
+use virtual_core::cycle::flash::Switches;
 
 use super::Flash;
 use super::operation::Faults;
@@ -28,11 +29,9 @@ impl Devices {
         (&self.flash.memory, &self.flash.history)
     }
 
-    /// Returns the wait states of flash, and two flags: true if its instruction cache is on, and
-    /// true if its data cache is on.
-    pub(crate) fn flash(&self) -> (u32, bool, bool) {
-        let (instructions, data) = self.flash.caches();
-        (self.flash.latency(), instructions, data)
+    /// Returns the switches of the flash accelerator, and the wait states.
+    pub(crate) fn flash_switches(&self) -> Switches {
+        self.flash.switches()
     }
 
     /// Returns true while an operation on flash goes on, for which the core waits.

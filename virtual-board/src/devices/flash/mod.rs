@@ -25,6 +25,8 @@ mod operation;
 pub(crate) use board::stale_read;
 
 use super::{Access, Context, Problem, Unmodelled};
+use virtual_core::cycle::flash::Switches;
+
 use crate::chip::Chip;
 use crate::flash::{FlashHistory, FlashMemory, FlashTimes, Parallelism};
 use key::Key;
@@ -256,20 +258,21 @@ impl Flash {
             || self.status & status::OPERR != 0 && self.control & control::ERRIE != 0
     }
 
-    /// Returns the number of wait states.
-    pub(crate) fn latency(&self) -> u32 {
-        self.access & access::LATENCY
-    }
-
-    /// Returns two flags: true if the instruction cache is on, and true if the data cache is on.
-    pub(crate) fn caches(&self) -> (bool, bool) {
-        (self.access & access::INSTRUCTION_CACHE != 0, self.access & access::DATA_CACHE != 0)
+    /// Returns the switches of the accelerator, and the wait states.
+    pub(crate) fn switches(&self) -> Switches {
+        let is_on = |bit| self.access & bit != 0;
+        Switches {
+            wait_states: (self.access & access::LATENCY) as u8,
+            instructions: is_on(access::INSTRUCTION_CACHE),
+            data: is_on(access::DATA_CACHE),
+            prefetch: is_on(access::PREFETCH),
+        }
     }
 
     /// Returns the sectors, as bits, that a read through the data cache might see as they were
     /// before their erase.
     pub(crate) fn stale_sectors(&self) -> u16 {
-        if self.caches().1 { self.stale } else { 0 }
+        if self.switches().data { self.stale } else { 0 }
     }
 }
 
