@@ -3,7 +3,7 @@
 use super::render::{Ran, take_force};
 use super::state::{PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
-use crate::frames::FrameBank;
+use crate::frames::{FrameBank, InFrames};
 use crate::time::TICK_FRAMES;
 
 impl Voice<'_, '_> {
@@ -70,5 +70,15 @@ impl Voice<'_, '_> {
             self.ring_on_bus(frames, odd_start, out);
         }
         (object_modes * frames as u32, striker_modes * frames as u32)
+    }
+}
+
+impl<'m> InFrames<'m> for Voice<'_, 'm> {
+    fn frames(&self) -> Option<&FrameBank<'m>> {
+        self.frames.as_deref()
+    }
+
+    fn frames_mut(&mut self) -> Option<&mut FrameBank<'m>> {
+        self.frames.as_deref_mut()
     }
 }

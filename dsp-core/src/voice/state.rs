@@ -7,7 +7,7 @@ use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
 use crate::contact::law::{Impact, LastPulse, StrikerLaw};
 use crate::fixed;
-use crate::frames::{FrameBank, InFrames};
+use crate::frames::FrameBank;
 use crate::output::Panner;
 use crate::radiation::Acceleration;
 use crate::resonator::{Bank, BankWork, Place, Retirement};
@@ -388,15 +388,5 @@ impl Voice<'_, '_> {
         }
         (self.rest_ticks, self.retired_amplitude) = (rest_ticks, retired_amplitude);
         retirement.retired_modes()
-    }
-}
-
-impl<'m> InFrames<'m> for Voice<'_, 'm> {
-    fn frames(&self) -> Option<&FrameBank<'m>> {
-        self.frames.as_deref()
-    }
-
-    fn frames_mut(&mut self) -> Option<&mut FrameBank<'m>> {
-        self.frames.as_deref_mut()
     }
 }

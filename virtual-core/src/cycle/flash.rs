@@ -9,8 +9,8 @@
 //! line of the last instruction      0 cycles
 //! line of the instruction cache     0 cycles
 //! line of the prefetch buffer       until its read ends; it is not cached
-//! any other line                    until a read under way ends, and a read of its own; it is cached
-//! literal outside the data cache    until a read under way ends, and a read of its own
+//! any other line                    until a read under way ends, and one of its own; it is cached
+//! literal outside the data cache    until a read under way ends, and one of its own
 //! ```
 //!
 //! A read takes one cycle more than there are wait states: 6 cycles at 168 MHz and 4 at 96 MHz.
@@ -173,8 +173,8 @@ impl Accelerator {
         *self = Accelerator::new(self.switches);
     }
 
-    /// Returns the cycles for which the instruction of `bytes` bytes at `address` waits at the cycle
-    /// `now`. These are 0 outside flash.
+    /// Returns the cycles for which the instruction of `bytes` bytes at `address` waits at the
+    /// cycle `now`. These are 0 outside flash.
     #[inline]
     pub fn fetch(&mut self, address: u32, bytes: u8, now: u64) -> u64 {
         let offset = address.wrapping_sub(FLASH_ADDRESS);
