@@ -19,7 +19,8 @@ use dsp_core::table::Kit;
 use fit::audio::Recording;
 use fit::distance::{log_spectral_distance_db, lsd_window};
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, reference};
+use malleus::render::{Performance, board, instrument, reference};
+use virtual_board::Board;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
@@ -177,6 +178,57 @@ fn each_table_is_within_3_5_db_of_its_recording() {
             assert!(lsd_db <= 3.5, "{}: {lsd_db:.2} dB", object.name);
         }
     });
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn tables_have_a_median_erb_distance_of_0_6_db_and_a_loudness_error_of_0_08() {
+    on_a_large_stack(|| {
+        let (mut erb_db, mut loudness) = (Vec::new(), Vec::new());
+        for object in recorded().kit.objects {
+            let table = kit::load(&table_path(&object.name)).expect("the table is in the repository").kit;
+            let near = nearness::of(&table, &Path::new(env!("SHARED_DATA")).join("recordings")).expect("both play");
+            let scores = near.scores;
+            println!(
+                "{}: ERB distance {:.2} dB, loudness error {:.3}, LSD {:.2} dB, peak {:+.1} dB, first 3 ms {:+.1} dB",
+                object.name, scores.erb_db, scores.loudness_error, scores.lsd_db, near.peak_db, near.attack_db
+            );
+            // A click at the start would be louder than that of the recording.
+            assert!(near.attack_db <= 3.0 && near.peak_db <= 4.0, "{}: {near:.1?}", object.name);
+            erb_db.push(scores.erb_db);
+            loudness.push(scores.loudness_error);
+        }
+        let [erb_db, median] = [&erb_db, &loudness].map(|values| fit::score::quantile(values, 0.5));
+        let worst = loudness.into_iter().fold(0.0, f64::max);
+        println!("medians: ERB distance {erb_db:.2} dB, loudness error {median:.3}; at worst {worst:.3}");
+        assert!(erb_db <= 0.60 && median <= 0.080 && worst <= 0.245, "{erb_db:.2} dB, {median:.3}, {worst:.3}");
+    });
+}
+
+/// Names of the pads whose residual a board leaves out, by its plan.
+fn pads_without_noise_on(board: Board) -> Vec<String> {
+    let loaded = recorded();
+    let plan = board::plan(board, &Kit::parse(&loaded.binary).expect("a loaded kit is valid")).expect("the kit plays");
+    let reasons: Vec<String> = plan.left_out.iter().map(ToString::to_string).collect();
+    let left_out = |pad: usize| reasons.iter().any(|reason| reason.starts_with(&format!("pad {pad}, residual")));
+    let pads: Vec<usize> = (0..loaded.kit.pads.len()).filter(|&pad| left_out(pad)).collect();
+    assert_eq!(pads.len(), reasons.len(), "only residuals are left out: {reasons:?}");
+    pads.into_iter().map(|pad| loaded.kit.pads[pad].name.clone()).collect()
+}
+
+#[test]
+fn f407_board_plays_noise_of_the_first_five_pads_and_blackpill_of_none() {
+    let names: Vec<String> = recorded().kit.pads.into_iter().map(|pad| pad.name).collect();
+    assert_eq!(pads_without_noise_on(Board::Stm32f407gDisc1), names[5..]);
+    assert_eq!(pads_without_noise_on(Board::BlackpillF411), names);
+    let check =
+        Command::new(env!("CARGO_BIN_EXE_malleus")).args(["kit", "check", "recorded"]).output().expect("it runs");
+    let text = String::from_utf8_lossy(&check.stdout);
+    assert!(check.status.success() && !text.contains("refuses"), "{text}");
+    for (board, count) in [("stm32f407g-disc1", 9), ("blackpill-f411", 14)] {
+        let said = text.matches(&format!("recorded: {board} leaves out: pad ")).count();
+        assert_eq!(said, count, "{text}");
+    }
 }
 
 #[cfg(not(has_shared_data))]
