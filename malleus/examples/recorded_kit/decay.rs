@@ -26,8 +26,8 @@ const MOST_LENGTHS: f64 = 2.0;
 /// Longest T60 where the band round it shows no decay, in times in which the whole recording falls
 /// by [`FALL_DB`].
 ///
-/// The background of a recording of a short sound does not decay: without this limit the fit's modes
-/// and noise bands would imitate it for seconds.
+/// The background of a recording of a short sound does not decay: without this limit the fit's
+/// modes and noise bands would imitate it for seconds.
 const MOST_FALLS: f64 = 4.0;
 /// Fall of the whole recording in dB.
 const FALL_DB: f64 = 30.0;
@@ -82,7 +82,8 @@ pub(crate) struct Limited {
     pub(crate) bands: usize,
 }
 
-/// Shortens the T60 of the object's modes and noise bands that ring longer than the recording shows.
+/// Shortens the T60 of the object's modes and noise bands that ring longer than the recording
+/// shows.
 pub(crate) fn limit(object: &mut Object, heard: &[f64], rate_hz: f64) -> Limited {
     let longest = MOST_LENGTHS * heard.len() as f64 / rate_hz;
     let without_band = fall_time_s(heard, rate_hz, FALL_DB).map_or(longest, |fall| longest.min(MOST_FALLS * fall));

@@ -62,8 +62,8 @@ const RATE_HZ: f64 = 48_000.0;
 
 /// Multiplies the sound of the table's strikes by a factor: modes, acceleration sound and noise.
 ///
-/// The force at velocity 1 changes and the gains stay, so that the largest remains 50. The reference
-/// force changes with it, and the residual's weights with the reference force.
+/// The force at velocity 1 changes and the gains stay, so that the largest remains 50. The
+/// reference force changes with it, and the residual's weights with the reference force.
 pub(crate) fn scale(table: &mut Kit, factor: f64) {
     for object in &mut table.objects {
         *object = object.with_reference_force((f64::from(object.reference_force) * factor) as f32);

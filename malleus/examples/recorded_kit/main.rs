@@ -5,8 +5,8 @@
 //!     --recordings ../shared/data/recordings --out tables [--before OTHER_TABLES]
 //! ```
 //!
-//! Each instrument is fitted as `malleus fit` does, modes and noise together, then made playable: no
-//! mode rings longer than the recording shows, and all strikes at velocity 1 have one peak. Two
+//! Each instrument is fitted as `malleus fit` does, modes and noise together, then made playable:
+//! no mode rings longer than the recording shows, and all strikes at velocity 1 have one peak. Two
 //! tables say how near the shipped tables are to their recordings, and how near those of
 //! `--before` are (by default those that `--out` had). The tables of absent recordings stay as they
 //! are.
@@ -73,7 +73,7 @@ fn arguments() -> Option<Folders> {
     Some(Folders { recordings: recordings?, before: before.unwrap_or_else(|| out.clone()), out })
 }
 
-/// What was made of an instrument.
+/// Outcome of making an instrument.
 enum Made {
     /// A table, with its figures.
     Table(Box<Figures>),
@@ -90,7 +90,8 @@ struct Figures {
     /// Nearness of the table before, if there is one.
     before: Option<Nearness>,
     now: Nearness,
-    /// Nearness of the table's modes without its noise, as a board without memory for it plays them.
+    /// Nearness of the table's modes without its noise, as a board without memory for it plays
+    /// them.
     modes_alone: Nearness,
     /// Log-spectral distance of the fit, before the table was made playable, in dB.
     fitted_lsd_db: f64,

@@ -61,7 +61,8 @@ fn strike_of(source: &str) -> Option<(&str, f64)> {
 
 /// The sound at the level at which its loudness error is least.
 ///
-/// That level is found in two passes round the level of equal power: steps of 0.5 dB, then of 0.1 dB.
+/// That level is found in two passes round the level of equal power: steps of 0.5 dB, then of 0.1
+/// dB.
 fn at_best_level(heard: &Heard, strike: &[f64], sound: &[f64]) -> Vec<f64> {
     let equal = (power(strike) / power(sound)).sqrt();
     let compared = heard.loudness().length().min(sound.len());
