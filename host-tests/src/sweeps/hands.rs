@@ -4,10 +4,11 @@ use boards::{BlackpillF411, Board, Stm32f407gDisc1};
 use dsp_core::engine::{CYCLES, CostItem};
 use dsp_core::event::{Action, Event};
 use dsp_core::table::Kit as KitView;
+use kit::Loaded;
 
 use super::Extent;
 use crate::lent;
-use crate::scene::{hand, strike};
+use crate::scene::{hand, load, strike};
 
 /// Sound of a board's engine in 24 bits, and the omissions of its budget.
 #[derive(Clone, Debug)]
@@ -68,9 +69,8 @@ fn largest_step(sound: &[[f64; 2]], frame: u64) -> f64 {
 /// Chokes and releases every pad of a kit while all others ring, at `phases` within a tick.
 ///
 /// Steps are not judged if `has_noise` is true.
-fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
+fn choke_every_pad<B: Board>(name: &str, loaded: &Loaded, has_noise: bool, phases: &[u64]) {
     let (mut loudest_step, mut dearest_share) = (f64::NEG_INFINITY, 0.0f64);
-    let loaded = kit::open(name).expect("the kit ships with the project");
     let view = KitView::parse(&loaded.binary).expect("it is valid");
     let strikes: Vec<Event> =
         (0..loaded.kit.pads.len()).map(|pad| Event { pad: pad as u8, ..strike(10 + 96 * pad as u64, 0.8) }).collect();
@@ -109,9 +109,18 @@ fn choke_every_pad<B: Board>(name: &str, has_noise: bool, phases: &[u64]) {
 pub fn every_pad(extent: Extent) {
     let every: Vec<u64> = (0..32).collect();
     let phases = extent.pick(&[0, 13][..], &every[..]);
-    // The filters of the third kit are full of noise, which has steps of its own.
-    for (name, has_noise) in [("demo", false), ("recorded", false), ("filters", true)] {
-        choke_every_pad::<Stm32f407gDisc1>(name, has_noise, phases);
-        choke_every_pad::<BlackpillF411>(name, has_noise, phases);
+    let shipped = |name: &str| kit::open(name).expect("the kit ships with the project");
+    let mut modes_alone = shipped("recorded").kit;
+    modes_alone.objects.iter_mut().for_each(|object| object.residual = None);
+    // Noise has steps of its own: the residuals of the kit `recorded`, and the filters of the last.
+    let kits = [
+        ("demo", shipped("demo"), false),
+        ("recorded without residuals", load(modes_alone), false),
+        ("recorded", shipped("recorded"), true),
+        ("filters", shipped("filters"), true),
+    ];
+    for (name, loaded, has_noise) in &kits {
+        choke_every_pad::<Stm32f407gDisc1>(name, loaded, *has_noise, phases);
+        choke_every_pad::<BlackpillF411>(name, loaded, *has_noise, phases);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use kit::Mode;
+use kit::Object;
 
 /// Length of the frames in which a recording's decay is followed, in samples.
 ///
@@ -12,7 +12,8 @@ const FRAME: usize = 4096;
 const HOP: usize = 1024;
 /// Level below the loudest frame, in dB, down to which the decay is followed from the second frame.
 const DOWN_DB: f64 = 40.0;
-/// Level above the quietest frame, in dB, at which the following of the decay ends at the latest.
+/// Level above the median of the last quarter's frames, in dB, at which the following of the decay
+/// ends at the latest.
 const ABOVE_NOISE_DB: f64 = 6.0;
 /// Least number of frames of which a slope is taken.
 const LEAST_FRAMES: usize = 6;
@@ -22,6 +23,14 @@ const TOLERANCE: f64 = 1.2;
 /// Longest T60, in lengths of the recording: a slower decay would fall by less than 30 dB in all of
 /// it.
 const MOST_LENGTHS: f64 = 2.0;
+/// Longest T60 where the band round it shows no decay, in times in which the whole recording falls
+/// by [`FALL_DB`].
+///
+/// The background of a recording of a short sound does not decay: without this limit the fit's
+/// modes and noise bands would imitate it for seconds.
+const MOST_FALLS: f64 = 4.0;
+/// Fall of the whole recording in dB.
+const FALL_DB: f64 = 30.0;
 
 /// T60 in seconds of the band round a frequency, by least squares on the level of Hann-windowed
 /// frames.
@@ -34,8 +43,10 @@ pub(crate) fn band_t60_s(heard: &[f64], rate_hz: f64, frequency_hz: f64) -> Opti
         .map(|frame| level_db(frame, frequency_hz / rate_hz))
         .collect();
     let loudest = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let quietest = levels.iter().copied().fold(f64::INFINITY, f64::min);
-    let least = (loudest - DOWN_DB).max(quietest + ABOVE_NOISE_DB);
+    let mut last = levels.get(levels.len() - levels.len() / 4..).unwrap_or(&[]).to_vec();
+    last.sort_by(f64::total_cmp);
+    let noise = last.get(last.len() / 2).copied().unwrap_or(f64::NEG_INFINITY);
+    let least = (loudest - DOWN_DB).max(noise + ABOVE_NOISE_DB);
     let falling: Vec<f64> = levels.into_iter().skip(1).take_while(|&level| level > least).collect();
     if falling.len() < LEAST_FRAMES {
         return None;
@@ -64,17 +75,39 @@ fn level_db(frame: &[f64], frequency: f64) -> f64 {
     10.0 * (real * real + imaginary * imaginary).max(1e-30).log10()
 }
 
-/// Shortens the T60 of modes that ring longer than the recording shows; returns the number of them.
-pub(crate) fn limit(modes: &mut [Mode], heard: &[f64], rate_hz: f64) -> usize {
+/// Numbers of modes and noise bands whose decay was shortened.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limited {
+    pub(crate) modes: usize,
+    pub(crate) bands: usize,
+}
+
+/// Shortens the T60 of the object's modes and noise bands that ring longer than the recording
+/// shows.
+pub(crate) fn limit(object: &mut Object, heard: &[f64], rate_hz: f64) -> Limited {
     let longest = MOST_LENGTHS * heard.len() as f64 / rate_hz;
-    let mut limited = 0;
-    for mode in modes {
+    let without_band = fall_time_s(heard, rate_hz, FALL_DB).map_or(longest, |fall| longest.min(MOST_FALLS * fall));
+    // The shorter T60 that is allowed in place of the given one; none if that is allowed.
+    let shorter = |t60_s: f64, frequency_hz: f64| {
+        let allowed = band_t60_s(heard, rate_hz, frequency_hz)
+            .map_or(without_band, |band| if t60_s > TOLERANCE * band { band.min(longest) } else { longest });
+        (allowed < t60_s).then_some(allowed)
+    };
+    let mut limited = Limited { modes: 0, bands: 0 };
+    for mode in &mut object.modes {
         let t60_s = 1000f64.ln() / f64::from(mode.decay_per_s);
-        let band = band_t60_s(heard, rate_hz, f64::from(mode.frequency_hz)).filter(|band| t60_s > TOLERANCE * band);
-        let allowed = t60_s.min(longest).min(band.unwrap_or(f64::INFINITY));
-        if allowed < t60_s {
+        if let Some(allowed) = shorter(t60_s, f64::from(mode.frequency_hz)) {
             mode.decay_per_s = (1000f64.ln() / allowed) as f32;
-            limited += 1;
+            limited.modes += 1;
+        }
+    }
+    if let Some(residual) = &mut object.residual {
+        for (edges_hz, decay_db_per_s) in residual.edges_hz.windows(2).zip(&mut residual.decay_db_per_s) {
+            let centre_hz = edges_hz.iter().map(|edge| f64::from(*edge)).product::<f64>().sqrt();
+            if let Some(allowed) = shorter(60.0 / f64::from(*decay_db_per_s), centre_hz) {
+                *decay_db_per_s = (60.0 / allowed) as f32;
+                limited.bands += 1;
+            }
         }
     }
     limited

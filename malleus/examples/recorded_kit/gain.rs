@@ -28,7 +28,10 @@ pub(crate) fn balance(table: &mut Kit) -> Result<u8, Failure> {
     for percent in 0..=100u8 {
         let alpha = fitted + f32::from(percent) / 100.0 * (derived - fitted);
         table.objects.iter_mut().for_each(|object| object.acceleration = Acceleration::Factor(alpha));
-        if share_below(&strike(table, SOFT, 96_000)?, 0.7 * lowest_hz)? <= MOST_BELOW {
+        // Noise is no thump: it is left out, whatever bands it has below the lowest mode.
+        let mut modes = table.clone();
+        modes.objects.iter_mut().for_each(|object| object.residual = None);
+        if share_below(&strike(&modes, SOFT, 96_000)?, 0.7 * lowest_hz)? <= MOST_BELOW {
             return Ok(percent);
         }
     }
@@ -57,16 +60,16 @@ fn share_below(sound: &[f64], hz: f64) -> Result<f64, Failure> {
 /// Sample rate at which strikes are rendered, in Hz.
 const RATE_HZ: f64 = 48_000.0;
 
-/// Multiplies all that the table's objects radiate by a factor.
+/// Multiplies the sound of the table's strikes by a factor: modes, acceleration sound and noise.
+///
+/// The force at velocity 1 changes and the gains stay, so that the largest remains 50. The
+/// reference force changes with it, and the residual's weights with the reference force.
 pub(crate) fn scale(table: &mut Kit, factor: f64) {
     for object in &mut table.objects {
-        if let Acceleration::Factor(alpha) = &mut object.acceleration {
-            *alpha = (f64::from(*alpha) * factor) as f32;
-        }
-        for gain in object.modes.iter_mut().flat_map(|mode| &mut mode.gains) {
-            gain.sine = (f64::from(gain.sine) * factor) as f32;
-            gain.cosine = (f64::from(gain.cosine) * factor) as f32;
-        }
+        *object = object.with_reference_force((f64::from(object.reference_force) * factor) as f32);
+    }
+    for striker in &mut table.strikers {
+        striker.peak_force = (f64::from(striker.peak_force) * factor) as f32;
     }
 }
 

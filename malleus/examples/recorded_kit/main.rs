@@ -2,29 +2,32 @@
 //!
 //! ```text
 //! cargo run --release -p malleus --example recorded_kit -- \
-//!     --recordings ../shared/data/recordings --out tables
+//!     --recordings ../shared/data/recordings --out tables [--before OTHER_TABLES]
 //! ```
 //!
-//! Each instrument is fitted as `malleus fit` does, then made playable: no mode rings longer than
-//! the recording shows, and all strikes at velocity 1 have one peak. A row per instrument says how
-//! near the shipped table is to its recording. The tables of absent recordings stay as they are.
+//! Each instrument is fitted as `malleus fit` does, modes and noise together, then made playable:
+//! no mode rings longer than the recording shows, and all strikes at velocity 1 have one peak. Two
+//! tables say how near the shipped tables are to their recordings, and how near those of
+//! `--before` are (by default those that `--out` had). The tables of absent recordings stay as they
+//! are.
 
 mod decay;
 mod failure;
 mod gain;
 mod instruments;
 mod manifest;
+mod nearness;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use failure::Failure;
-use fit::distance::{log_spectral_distance_db, lsd_window};
 use fit::recording::{Options, fit_file};
 use fit::render::by_instrument;
-use fit::table::Provenance;
+use fit::score::quantile;
 use instruments::{INSTRUMENTS, Instrument};
 use kit::{Kit, Pad};
+use nearness::Nearness;
 use rayon::prelude::*;
 
 /// Peak in dBFS of a strike at velocity 1 in the louder channel, with a pad's level of 0 dB.
@@ -33,11 +36,11 @@ const PEAK_DBFS: f64 = -10.0;
 const STACK_BYTES: usize = 64 << 20;
 
 fn main() -> ExitCode {
-    let Some((recordings, out)) = arguments() else {
-        eprintln!("usage: recorded_kit --recordings DIR --out DIR");
+    let Some(folders) = arguments() else {
+        eprintln!("usage: recorded_kit --recordings DIR --out DIR [--before DIR]");
         return ExitCode::from(2);
     };
-    match make(&recordings, &out) {
+    match make(&folders) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("recorded_kit: {error}");
@@ -46,50 +49,132 @@ fn main() -> ExitCode {
     }
 }
 
-fn arguments() -> Option<(PathBuf, PathBuf)> {
-    let (mut recordings, mut out) = (None, None);
+/// Folders that the program reads and writes.
+struct Folders {
+    recordings: PathBuf,
+    /// Folder of the tables to be written.
+    out: PathBuf,
+    /// Folder of the tables with which those written are compared.
+    before: PathBuf,
+}
+
+fn arguments() -> Option<Folders> {
+    let (mut recordings, mut out, mut before) = (None, None, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--recordings" => recordings = words.next().map(PathBuf::from),
             "--out" => out = words.next().map(PathBuf::from),
+            "--before" => before = words.next().map(PathBuf::from),
             _ => return None,
         }
     }
-    Some((recordings?, out?))
+    let out = out?;
+    Some(Folders { recordings: recordings?, before: before.unwrap_or_else(|| out.clone()), out })
 }
 
-fn make(recordings: &Path, out: &Path) -> Result<(), Failure> {
-    if !recordings.join("MANIFEST.csv").exists() {
-        let path = recordings.display();
+/// Outcome of making an instrument.
+enum Made {
+    /// A table, with its figures.
+    Table(Box<Figures>),
+    /// None: a sentence says why.
+    Nothing(String),
+}
+
+/// Figures of an instrument's table.
+struct Figures {
+    name: &'static str,
+    modes: usize,
+    /// Number of residual bands that sound.
+    bands: usize,
+    /// Nearness of the table before, if there is one.
+    before: Option<Nearness>,
+    now: Nearness,
+    /// Nearness of the table's modes without its noise, as a board without memory for it plays
+    /// them.
+    modes_alone: Nearness,
+    /// Log-spectral distance of the fit, before the table was made playable, in dB.
+    fitted_lsd_db: f64,
+    /// Row of the second printed table.
+    play: String,
+}
+
+fn make(folders: &Folders) -> Result<(), Failure> {
+    if !folders.recordings.join("MANIFEST.csv").exists() {
+        let path = folders.recordings.display();
         return Err(
             format!("{path}: there are no recordings (no MANIFEST.csv), and all tables stay as they are").into()
         );
     }
-    std::fs::create_dir_all(out.join("recorded"))?;
+    std::fs::create_dir_all(folders.out.join("recorded"))?;
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
-    let made: Vec<Result<String, Failure>> =
-        workers.install(|| INSTRUMENTS.par_iter().map(|instrument| one(instrument, recordings, out)).collect());
-    println!(
-        "| table | modes | LSD as fitted, dB | LSD as shipped, dB | longest T60, s | s to -30 dB, recording | table | contact, ms | peak at velocity 0.5, 0.2 |"
-    );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    for row in made {
-        println!("{}", row?);
+    let made: Vec<Result<Made, Failure>> =
+        workers.install(|| INSTRUMENTS.par_iter().map(|instrument| one(instrument, folders)).collect());
+    let mut figures = Vec::new();
+    for one in made {
+        match one? {
+            Made::Table(one) => figures.push(*one),
+            Made::Nothing(why) => println!("{why}"),
+        }
     }
-    let path = out.join("recorded.toml");
+    print_nearness(&figures);
+    println!(
+        "\n| table | longest T60, s | s to -30 dB, recording | table | contact, ms | peak at velocity 0.5, 0.2 | peak over the recording's | first 3 ms over the recording's |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    figures.iter().for_each(|one| println!("{}", one.play));
+    let path = folders.out.join("recorded.toml");
     kit::file::write_whole(&path, kit_text().as_bytes())?;
-    println!("{}", path.display());
+    println!("\n{}", path.display());
     Ok(())
 }
 
-/// Fits an instrument and writes its table; returns the instrument's row.
-fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String, Failure> {
-    let path = recordings.join(instrument.recording);
-    if !path.exists() {
-        return Ok(format!("{}: absent; {} stays as it is", path.display(), instrument.name));
+/// Prints how near the tables are to their recordings, before and now, with medians.
+fn print_nearness(figures: &[Figures]) {
+    println!(
+        "| table | modes | bands | ERB distance before, dB | now | loudness error before | now | now without noise | LSD before, dB | as fitted | now |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let row = |name: &str, [modes, bands]: [usize; 2], numbers: [f64; 8]| {
+        let [erb_before, erb, loudness_before, loudness, alone, lsd_before, fitted, lsd] = numbers;
+        println!(
+            "| {name} | {modes} | {bands} | {erb_before:.2} | {erb:.2} | {loudness_before:.3} | {loudness:.3} | {alone:.3} | {lsd_before:.2} | {fitted:.2} | {lsd:.2} |"
+        );
+    };
+    let mut all: [Vec<f64>; 8] = Default::default();
+    for one in figures {
+        let (now, before) = (one.now.scores, one.before.map(|before| before.scores));
+        let before = |of: fn(&fit::hearing::Scores) -> f64| before.as_ref().map_or(f64::NAN, of);
+        let numbers = [
+            before(|scores| scores.erb_db),
+            now.erb_db,
+            before(|scores| scores.loudness_error),
+            now.loudness_error,
+            one.modes_alone.scores.loudness_error,
+            before(|scores| scores.lsd_db),
+            one.fitted_lsd_db,
+            now.lsd_db,
+        ];
+        row(&format!("`{}`", one.name), [one.modes, one.bands], numbers);
+        all.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
     }
-    let origin = manifest::origin(recordings, instrument.recording)?;
+    let modes = figures.iter().map(|one| one.modes).sum();
+    let bands = figures.iter().map(|one| one.bands).sum();
+    row("all modes and bands, median", [modes, bands], all.map(|column| quantile(&column, 0.5)));
+}
+
+/// Fits an instrument and writes its table; returns the instrument's figures.
+fn one(instrument: &Instrument, folders: &Folders) -> Result<Made, Failure> {
+    let path = folders.recordings.join(instrument.recording);
+    if !path.exists() {
+        return Ok(Made::Nothing(format!("{}: absent; {} stays as it is", path.display(), instrument.name)));
+    }
+    let file = Path::new("recorded").join(format!("{}.toml", instrument.name));
+    let before = match kit::load(&folders.before.join(&file)) {
+        Ok(before) => Some(nearness::of(&before.kit, &folders.recordings)?),
+        Err(_) => None,
+    };
+    let origin = manifest::origin(&folders.recordings, instrument.recording)?;
     let mut options = Options { licence: origin.licence.clone(), ..Options::default() };
     options.strike.modes.most_modes = instrument.modes;
     let fitted = fit_file(&path, &options)?;
@@ -97,12 +182,13 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
     let heard = fitted.recording.samples.get(strike.hit.onset..strike.hit.end).ok_or("no sound")?;
     let rate_hz = fitted.recording.rate_hz;
 
-    let source = fitted.table.objects.first().map_or("", |object| object.source.as_str());
-    // The table has modes alone: a board has no memory for fourteen residuals.
-    let provenance =
-        Provenance { name: instrument.name.to_owned(), source: source.to_owned(), licence: origin.licence };
-    let mut table = fit::table::of_fit(&fitted.fit, &provenance);
-    let limited = table.objects.iter_mut().map(|object| decay::limit(&mut object.modes, heard, rate_hz)).sum::<usize>();
+    let mut table = fitted.table.clone();
+    if !table.room.is_empty() {
+        return Err(format!("{}: the fit has a room, which a kit of many objects has not", instrument.name).into());
+    }
+    let object = table.objects.first_mut().ok_or("the fit has no object")?;
+    let source = object.source.clone();
+    let limited = decay::limit(object, heard, rate_hz);
     let moved = match gain::balance(&mut table)? {
         0 => String::new(),
         percent => format!(", its acceleration sound moved by {percent} % toward balance"),
@@ -111,8 +197,8 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
     let peak = gain::peak(&table, 1.0)?;
     gain::scale(&mut table, wanted / peak);
     let source = format!(
-        "{source}; {}; decays of {limited} modes held to the recording's{moved}, all gains scaled in common",
-        origin.source
+        "{source}; {}; decays of {} modes and {} noise bands held to the recording's{moved}, its force scaled to a common peak",
+        origin.source, limited.modes, limited.bands
     );
     table.name = instrument.name.to_owned();
     for object in &mut table.objects {
@@ -124,13 +210,15 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
         striker.source.clone_from(&source);
     }
     kit::binary::build(&table)?; // refuses what a board would refuse
-    let file = out.join("recorded").join(format!("{}.toml", instrument.name));
+    let file = folders.out.join(file);
     kit::file::write_whole(&file, kit::text::write(&table).as_bytes())?;
 
+    let table = kit::load(&file)?.kit;
+    let now = nearness::of(&table, &folders.recordings)?;
+    let mut without_noise = table.clone();
+    without_noise.objects.iter_mut().for_each(|object| object.residual = None);
+    let modes_alone = nearness::of(&without_noise, &folders.recordings)?;
     let sound = by_instrument(&table, 0.0, rate_hz, heard.len())?;
-    let window = lsd_window(heard, rate_hz);
-    let distance =
-        |sound: &[f64]| Some(log_spectral_distance_db(heard.get(window.clone())?, sound.get(window.clone())?));
     let modes = table.objects.iter().flat_map(|object| &object.modes);
     let longest = modes.map(|mode| 1000f64.ln() / f64::from(mode.decay_per_s)).fold(0.0, f64::max);
     let seconds = |sound: &[f64]| {
@@ -138,18 +226,28 @@ fn one(instrument: &Instrument, recordings: &Path, out: &Path) -> Result<String,
     };
     let full = gain::peak(&table, 1.0)?;
     let softer_db = |velocity: f32| Ok::<f64, Failure>(20.0 * (gain::peak(&table, velocity)? / full).log10());
-    Ok(format!(
-        "| `{}` | {} | {:.2} | {:.2} | {longest:.2} | {} | {} | {:.2} | {:.1}, {:.1} dB |",
+    let play = format!(
+        "| `{}` | {longest:.2} | {} | {} | {:.2} | {:.1}, {:.1} dB | {:+.1} dB | {:+.1} dB |",
         instrument.name,
-        fitted.report.modes,
-        fitted.report.lsd_db,
-        distance(&sound).ok_or("no sound to compare")?,
         seconds(heard),
         seconds(&sound),
         1e3 * strike.contact_time_s,
         softer_db(0.5)?,
         softer_db(0.2)?,
-    ))
+        now.peak_db,
+        now.attack_db,
+    );
+    let residuals = table.objects.iter().filter_map(|object| object.residual.as_ref());
+    Ok(Made::Table(Box::new(Figures {
+        name: instrument.name,
+        modes: table.objects.iter().map(|object| object.modes.len()).sum(),
+        bands: residuals.map(|residual| residual.weight.iter().filter(|weight| **weight > 0.0).count()).sum(),
+        before,
+        now,
+        modes_alone,
+        fitted_lsd_db: fitted.report.hearing.lsd_db,
+        play,
+    })))
 }
 
 /// Gain of the louder channel relative to the sound of [`by_instrument`].

@@ -1,8 +1,11 @@
 //! The shipped kit `recorded`: its tables are fits, they play, and they are near their recordings.
 //!
 //! The recordings lie in `../shared/data/recordings`, beside the project. If they are absent, the
-//! test that compares with them is ignored. Another test compares each table with the reference's
-//! sound of it, with added noise.
+//! tests that compare with them are ignored. Another test compares the modes of each table with the
+//! reference's sound of them, with added noise.
+
+#[path = "../../examples/recorded_kit/nearness.rs"]
+mod nearness;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,12 +19,21 @@ use dsp_core::table::Kit;
 use fit::audio::Recording;
 use fit::distance::{log_spectral_distance_db, lsd_window};
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::{Performance, instrument, reference};
+use malleus::render::{Performance, board, instrument, reference};
+use virtual_board::Board;
 
 const RATE: SampleRate = SampleRate::HZ_48000;
 
 fn recorded() -> kit::Loaded {
     kit::open("recorded").expect("the shipped kit is valid")
+}
+
+/// The kit without residuals, whose noise the reference leaves out.
+fn modes_alone() -> kit::Loaded {
+    let mut loaded = recorded();
+    loaded.kit.objects.iter_mut().for_each(|object| object.residual = None);
+    loaded.binary = kit::binary::build(&loaded.kit).expect("a kit without residuals is valid");
+    loaded
 }
 
 fn strike(pad: usize, frame: u64, velocity: f32) -> Event {
@@ -86,8 +98,8 @@ fn all_pads_played_together_stay_below_full_scale() {
 }
 
 #[test]
-fn each_pad_has_90_db_of_snr_to_the_reference() {
-    let loaded = recorded();
+fn modes_of_each_pad_have_90_db_of_snr_to_the_reference() {
+    let loaded = modes_alone();
     for (index, pad) in loaded.kit.pads.iter().enumerate() {
         let strikes = [0.02, 0.9, 1.0, 0.4, 0.15, 0.7];
         let events = strikes.into_iter().enumerate().map(|(at, v)| strike(index, 100 + at as u64 * 7_001, v)).collect();
@@ -117,7 +129,7 @@ pub(crate) fn on_a_large_stack(work: impl FnOnce() + Send + 'static) {
     working.expect("a thread starts").join().expect("every table is near its sound");
 }
 
-/// Recording of a table's strike by the reference, with noise 70 dB below its peak.
+/// Recording of the strike of a table's modes by the reference, with noise 70 dB below its peak.
 ///
 /// A tenth of a second of silence precedes the strike, which lasts 3 s.
 fn by_reference_with_noise(table: &kit::Kit) -> Recording {
@@ -137,11 +149,12 @@ fn by_reference_with_noise(table: &kit::Kit) -> Recording {
 }
 
 #[test]
-fn each_table_is_nearer_to_its_own_noisy_sound_than_another_table() {
+fn modes_of_each_table_are_nearer_to_their_own_noisy_sound_than_another_table() {
     on_a_large_stack(|| {
         let names: Vec<String> = recorded().kit.objects.into_iter().map(|object| object.name).collect();
-        let tables: Vec<kit::Kit> =
+        let mut tables: Vec<kit::Kit> =
             names.iter().map(|name| kit::load(&table_path(name)).expect("a table").kit).collect();
+        tables.iter_mut().flat_map(|table| &mut table.objects).for_each(|object| object.residual = None);
         for (index, (name, table)) in names.iter().zip(&tables).enumerate() {
             let recording = by_reference_with_noise(table);
             let [own, other] = [index, (index + 1) % tables.len()].map(|index| distance_db(&recording, &tables[index]));
@@ -165,6 +178,57 @@ fn each_table_is_within_3_5_db_of_its_recording() {
             assert!(lsd_db <= 3.5, "{}: {lsd_db:.2} dB", object.name);
         }
     });
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn tables_have_a_median_erb_distance_of_0_6_db_and_a_loudness_error_of_0_08() {
+    on_a_large_stack(|| {
+        let (mut erb_db, mut loudness) = (Vec::new(), Vec::new());
+        for object in recorded().kit.objects {
+            let table = kit::load(&table_path(&object.name)).expect("the table is in the repository").kit;
+            let near = nearness::of(&table, &Path::new(env!("SHARED_DATA")).join("recordings")).expect("both play");
+            let scores = near.scores;
+            println!(
+                "{}: ERB distance {:.2} dB, loudness error {:.3}, LSD {:.2} dB, peak {:+.1} dB, first 3 ms {:+.1} dB",
+                object.name, scores.erb_db, scores.loudness_error, scores.lsd_db, near.peak_db, near.attack_db
+            );
+            // A click at the start would be louder than that of the recording.
+            assert!(near.attack_db <= 3.0 && near.peak_db <= 4.0, "{}: {near:.1?}", object.name);
+            erb_db.push(scores.erb_db);
+            loudness.push(scores.loudness_error);
+        }
+        let [erb_db, median] = [&erb_db, &loudness].map(|values| fit::score::quantile(values, 0.5));
+        let worst = loudness.into_iter().fold(0.0, f64::max);
+        println!("medians: ERB distance {erb_db:.2} dB, loudness error {median:.3}; at worst {worst:.3}");
+        assert!(erb_db <= 0.60 && median <= 0.080 && worst <= 0.245, "{erb_db:.2} dB, {median:.3}, {worst:.3}");
+    });
+}
+
+/// Names of the pads whose residual a board leaves out, by its plan.
+fn pads_without_noise_on(board: Board) -> Vec<String> {
+    let loaded = recorded();
+    let plan = board::plan(board, &Kit::parse(&loaded.binary).expect("a loaded kit is valid")).expect("the kit plays");
+    let reasons: Vec<String> = plan.left_out.iter().map(ToString::to_string).collect();
+    let left_out = |pad: usize| reasons.iter().any(|reason| reason.starts_with(&format!("pad {pad}, residual")));
+    let pads: Vec<usize> = (0..loaded.kit.pads.len()).filter(|&pad| left_out(pad)).collect();
+    assert_eq!(pads.len(), reasons.len(), "only residuals are left out: {reasons:?}");
+    pads.into_iter().map(|pad| loaded.kit.pads[pad].name.clone()).collect()
+}
+
+#[test]
+fn f407_board_plays_noise_of_the_first_five_pads_and_blackpill_of_none() {
+    let names: Vec<String> = recorded().kit.pads.into_iter().map(|pad| pad.name).collect();
+    assert_eq!(pads_without_noise_on(Board::Stm32f407gDisc1), names[5..]);
+    assert_eq!(pads_without_noise_on(Board::BlackpillF411), names);
+    let check =
+        Command::new(env!("CARGO_BIN_EXE_malleus")).args(["kit", "check", "recorded"]).output().expect("it runs");
+    let text = String::from_utf8_lossy(&check.stdout);
+    assert!(check.status.success() && !text.contains("refuses"), "{text}");
+    for (board, count) in [("stm32f407g-disc1", 9), ("blackpill-f411", 14)] {
+        let said = text.matches(&format!("recorded: {board} leaves out: pad ")).count();
+        assert_eq!(said, count, "{text}");
+    }
 }
 
 #[cfg(not(has_shared_data))]
