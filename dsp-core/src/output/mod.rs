@@ -70,7 +70,8 @@ impl Panner {
         self.render_shifted(pad, out);
     }
 
-    #[inline(never)] // louder pads need not weigh on the others
+    /// Adds a run at gains above a half.
+    #[inline(never)] // its code must not weigh on quieter pads
     fn render_shifted(&self, pad: &[i32], out: &mut [[i32; 2]]) {
         let room = i32::MAX >> self.shift;
         for (&sample, [left, right]) in pad.iter().zip(out) {
@@ -84,8 +85,8 @@ impl Panner {
         }
     }
 
-    /// Adds a run at gains of at most a half, at which no sample needs clipping before the sum: 14
-    /// cycles a frame, 24 with a shift.
+    /// Adds a run at gains of at most a half. No sample needs clipping before the sum, which saves
+    /// 11 cycles a frame (docs/frames.md).
     fn render_halved(&self, pad: &[i32], out: &mut [[i32; 2]]) {
         let add = |sample: i32, [left, right]: &mut [i32; 2]| {
             *left = fixed::qadd(*left, fixed::smmulr(sample, self.left));

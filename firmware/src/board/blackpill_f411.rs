@@ -30,9 +30,10 @@ pub const CLOCKS: ClockPlan = ClockPlan {
 pub const I2S: Wiring =
     Wiring { spi: pac::SPI2, reset_bit: 14, dma: pac::DMA1, stream: 4, channel: 0, interrupt: interrupt::DMA1_STREAM4 };
 
-/// Maximum work of the strikes that a half begins, and half of it right behind others. A strike is
-/// 1, and more if it comes at a frame of its own or moves its pad (`audio::waiting`): a pad that is
-/// struck takes up to 12 000 cycles beside its modes, which alone can be shed.
+/// Maximum number of strikes that begin in a half. Those of the half before are taken off, as far
+/// as half of the number is left.
+/// A strike at a frame of its own, or one that moves its pad, counts as several (`audio::waiting`).
+/// A struck pad takes up to 12 000 cycles beside its modes, and modes alone can be shed.
 pub const STRIKES_PER_TICK: usize = 3;
 
 /// Number of the board in its MIDI identity.

@@ -7,9 +7,9 @@
 //!
 //! Each instrument is fitted as `malleus fit` does, modes and noise together, then made playable:
 //! no mode rings longer than the recording shows, and all strikes at velocity 1 have one peak. Two
-//! tables say how near the shipped tables are to their recordings, and how near those of
-//! `--before` are (by default those that `--out` had). The tables of absent recordings stay as they
-//! are.
+//! printed tables say how near the new tables are to their recordings, and how near the tables in
+//! the folder `--before` are. Without `--before` the old tables in `--out` are compared. If a
+//! recording is absent, its table is not changed.
 
 mod decay;
 mod failure;

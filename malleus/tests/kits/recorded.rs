@@ -1,8 +1,8 @@
 //! The shipped kit `recorded`: its tables are fits, they play, and they are near their recordings.
 //!
-//! The recordings lie in `../shared/data/recordings`, beside the project. If they are absent, the
-//! tests that compare with them are ignored. Another test compares the modes of each table with the
-//! reference's sound of them, with added noise.
+//! The recordings lie in `../shared/data/recordings`, beside the project. Without them the tests
+//! that need them are ignored. One test needs none: it compares the modes of each table with the
+//! reference's sound of these modes, to which noise is added.
 
 #[path = "../../examples/recorded_kit/nearness.rs"]
 mod nearness;

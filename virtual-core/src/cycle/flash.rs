@@ -15,12 +15,13 @@
 //!
 //! A read takes one cycle more than there are wait states: 6 cycles at 168 MHz and 4 at 96 MHz.
 //!
-//! Each line starts the prefetch of the next, if that is on. The manual does not say whether lines
-//! of the cache do so too, nor what a branch does to a prefetch; the model takes the dearer answer.
-//! Loops of straight code are then never cached, and read from flash in each pass. That is why the
-//! firmware leaves the prefetch off: 1025 modes and 100 bands struck each millisecond take up to
-//! 2879 cycles a frame without it, and 3376 with it (`cargo test -p host-tests --test on_chip
-//! frames::engine_of -- --nocapture`).
+//! If the prefetch is on, each line that is used starts the read of the next line. The manual does
+//! not say whether a line in the cache starts one, nor whether a branch ends one. The model assumes
+//! what takes longer: a cached line starts a read, and a branch does not end it. Most lines of a
+//! loop are then never cached, and each pass reads them from flash. That is why the firmware leaves
+//! the prefetch off: 1025 modes and 100 bands struck each millisecond take up to 2879 cycles a
+//! frame without it, and 3376 with it (`cargo test -p host-tests --test on_chip frames::engine_of
+//! -- --nocapture`).
 //!
 //! The model leaves out:
 //! - loads from flash through a pointer, which also use the 8 data lines: the columns are too low

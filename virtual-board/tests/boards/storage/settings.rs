@@ -46,7 +46,7 @@ fn settings_outlive_a_restart_and_removed_ones_are_gone() {
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; a sector is full after 1160 writes, so that no smaller test erases one"]
 fn settings_written_2000_times_wear_no_sector_more_than_100_erases() {
     let mut session = Session::start(Board::BlackpillF411, Setup::default());
     let mut longest_s = 0.0f64;
