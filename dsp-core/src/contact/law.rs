@@ -124,6 +124,12 @@ fn half_to_the(exponent: f32) -> f32 {
     exponential::power_of_two(f64::from(-exponent)) as f32
 }
 
+/// Length of the pulse in seconds of a strike of velocity 1.
+pub fn full_contact_s(contact: &ContactTable<'_>) -> f32 {
+    let length = if contact.is_gaussian() { Pulse::Gaussian.length() as f32 } else { 1.0 };
+    contact.contact_time_s() * length
+}
+
 /// Impulse in force units times seconds and contact time in seconds of a strike of velocity 0.5.
 pub fn typical_contact(contact: &ContactTable<'_>, reference_force: f32) -> (f32, f32) {
     let pulse = pulse_of(contact);

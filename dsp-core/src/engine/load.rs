@@ -18,7 +18,6 @@ use crate::output::Panner;
 use crate::residual::Shaper;
 use crate::room::{Room, Sample};
 use crate::table::Kit;
-use crate::time::TICK_FRAMES;
 use crate::voice::{Filters, FiltersSize, Residual, Voice};
 
 /// Output below which noise ends, rms, 1.0 = full scale: -110 dBFS.
@@ -82,8 +81,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         let mut engine = Self::take(kit, setup, memory)?;
         engine.load_modes(setup.position_cycles, memory, &mut fitting)?;
         if let Some(left) = engine.frame_cycles.filter(|_| engine.has_mixer) {
-            let worst = setup.frame_worst_percent * TICK_FRAMES as u32;
-            fitting.limit(left.saturating_mul(worst) / 100);
+            fitting.limit_beside_frames(left, setup.frame_worst_percent);
         }
         // Stages that sound for good come first: strikes share the time that they leave.
         engine.load_room(memory, &mut fitting)?;
@@ -240,10 +238,12 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         if !fits(memory, |count| Residual::place(count, bands), stage, fitting)? {
             return Ok(None);
         }
-        let cycles = Shaper::dearest_tick(bands);
         let cycles = match stage {
-            Stage::Background => fitting.take(stage, cycles).then_some(0),
-            _ => fitting.afford(stage, cycles),
+            Stage::Background => fitting.take(stage, Shaper::dearest_tick(bands)).then_some(0),
+            _ => (self.is_only_noise())
+                .then(|| fitting.afford_beside_frames(stage, Shaper::dear_tick(bands)))
+                .flatten()
+                .unwrap_or_else(|| fitting.afford(stage, Shaper::dearest_tick(bands))),
         };
         let Some(cycles) = cycles else { return Ok(None) };
         let mut place = Residual::place(memory, bands).map_err(|error| LoadError::Memory { stage, error })?;
@@ -251,6 +251,13 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             place.worst_cycles = cycles;
         }
         Ok(Some(place))
+    }
+
+    /// True if the kit has noise of one pad only: it then waits where pads in frames make ticks
+    /// dear.
+    fn is_only_noise(&self) -> bool {
+        let residuals = self.kit.pads().filter_map(|pad| self.kit.residual_of(pad.object_index()));
+        residuals.count() == 1 && self.kit.background().is_none()
     }
 
     #[inline(never)] // runs on load only: keeps its stack apart from the program's

@@ -4,6 +4,7 @@ use super::error::LoadError;
 use super::stage::Stage;
 use crate::SampleRate;
 use crate::built::Built;
+use crate::time::TICK_FRAMES;
 
 /// Work that an engine skips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,22 +85,27 @@ const PAD_CYCLES: u32 = 1_600;
 pub(super) struct Fitting<'f> {
     /// Cycles a tick that are left; `None` without a limit.
     cycles: Option<u32>,
+    /// Worst cycles of pads in frames in percent of nominal ones; `None` without such pads.
+    frame_percent: Option<u32>,
     /// Receiver of an error for each stage that is left out; `None` if loading is to fail with it.
     tell: Option<&'f mut dyn FnMut(LoadError)>,
 }
 
 impl<'f> Fitting<'f> {
     /// Time without a limit. A stage that cannot be loaded is an error.
-    pub(super) const ALL: Self = Self { cycles: None, tell: None };
+    pub(super) const ALL: Self = Self { cycles: None, frame_percent: None, tell: None };
 
     /// Time of `cycles` a tick, less those of `pads` pads.
     pub(super) fn within(cycles: u32, pads: usize, tell: &'f mut dyn FnMut(LoadError)) -> Self {
-        Self { cycles: Some(cycles.saturating_sub(pads as u32 * PAD_CYCLES)), tell: Some(tell) }
+        Self { cycles: Some(cycles.saturating_sub(pads as u32 * PAD_CYCLES)), frame_percent: None, tell: Some(tell) }
     }
 
-    /// Limits the time that is left, if there is a limit.
-    pub(super) fn limit(&mut self, cycles: u32) {
+    /// Limits the time that is left, if there is a limit, to nominal cycles a frame that pads in
+    /// frames leave; they may take so many percent.
+    pub(super) fn limit_beside_frames(&mut self, frame_cycles: u32, percent: u32) {
+        let cycles = frame_cycles.saturating_mul(TICK_FRAMES as u32 * percent) / 100;
         self.cycles = self.cycles.map(|left| left.min(cycles));
+        self.frame_percent = Some(percent);
     }
 
     /// Leaves a stage out and tells the receiver why.
@@ -120,8 +126,18 @@ impl<'f> Fitting<'f> {
     ///
     /// `None` if fewer are left; the receiver is then told.
     pub(super) fn afford(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
+        self.afford_worst(stage, stage.worst_cycles(cycles))
+    }
+
+    /// Worst cycles of a stage in a tick that pads in frames make dear, as [`afford`](Self::afford)
+    /// gives them; `None` without such pads.
+    pub(super) fn afford_beside_frames(&mut self, stage: Stage, cycles: u32) -> Option<Option<u32>> {
+        let percent = self.frame_percent?;
+        Some(self.afford_worst(stage, stage.worst_at(cycles, percent)))
+    }
+
+    fn afford_worst(&mut self, stage: Stage, cycles: u32) -> Option<u32> {
         let Some(left) = self.cycles else { return Some(0) };
-        let cycles = stage.worst_cycles(cycles);
         if left < cycles {
             if let Some(tell) = &mut self.tell {
                 tell(LoadError::TooDear { stage, cycles, left });

@@ -49,18 +49,30 @@ impl Stage {
     /// flash, by measurements on the virtual boards
     /// (`cargo test -p virtual-board --test boards stages`).
     pub(super) fn worst_cycles(self, cycles: u32) -> u32 {
+        self.worst_at(
+            cycles,
+            match self {
+                Self::Residual(_) | Self::Background => 150,
+                Self::DynamicFilter(_) => 200,
+                Self::Biquads(_) => 175,
+                Self::Room => 115,
+                Self::Engine | Self::Modes(_) | Self::Positions(_) => 100,
+            },
+        )
+    }
+
+    /// Cycles of the stage in a tick with a strike, in percent of the nominal ones; `cycles` are
+    /// its own nominal ones.
+    pub(super) fn worst_at(self, cycles: u32, percent: u32) -> u32 {
         let frames = TICK_FRAMES as u32;
-        let (beside, percent) = match self {
-            Self::Residual(_) | Self::Background => {
-                (CostItem::ResidualStrike.cycles() + CostItem::ResidualRun.cycles(), 150)
-            }
-            Self::DynamicFilter(_) => (2 * CostItem::BusPad.cycles() + frames * CostItem::BusFrame.cycles(), 200),
+        let beside = match self {
+            Self::Residual(_) | Self::Background => CostItem::ResidualStrike.cycles() + CostItem::ResidualRun.cycles(),
+            Self::DynamicFilter(_) => 2 * CostItem::BusPad.cycles() + frames * CostItem::BusFrame.cycles(),
             Self::Biquads(_) => {
                 let frame = CostItem::DrivenFrame.cycles() + CostItem::ContactFrame.cycles();
-                (CostItem::BusDrivenPad.cycles() + frames * frame, 175)
+                CostItem::BusDrivenPad.cycles() + frames * frame
             }
-            Self::Room => (0, 115),
-            Self::Engine | Self::Modes(_) | Self::Positions(_) => (0, 100),
+            Self::Room | Self::Engine | Self::Modes(_) | Self::Positions(_) => 0,
         };
         (cycles + beside) * percent / 100
     }

@@ -185,13 +185,23 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     #[inline(never)]
     fn work_on_noise(&mut self) {
+        let dear_ticks = self.dear_ticks();
         if let Some(background) = self.background.as_deref_mut() {
-            background.end_tick();
+            background.end_tick(dear_ticks);
         }
         for residual in self.voices.iter_mut().filter_map(|voice| voice.residual.as_deref_mut()) {
-            residual.end_tick();
+            residual.end_tick(dear_ticks);
         }
         self.report.residuals = self.noises() as u32;
+    }
+
+    /// Number of ticks, from this one on, that pads in frames make dear, for noise to wait; 0 where
+    /// several noises sound, which together would take too much of the ticks behind.
+    fn dear_ticks(&self) -> u32 {
+        match &self.frames {
+            Some(mixer) if self.count_noises() < 2 => mixer.dear_ticks(self.voices),
+            _ => 0,
+        }
     }
 
     /// Number of residuals that sound, the background included.
@@ -213,7 +223,8 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     #[inline(never)]
     fn cycles_of_noise(&self) -> u32 {
-        self.noise().map(|residual| residual.cycles()).sum()
+        let dear_ticks = self.dear_ticks();
+        self.noise().map(|residual| residual.cycles(dear_ticks)).sum()
     }
 
     /// True if a strike of a pad begins noise.

@@ -129,6 +129,11 @@ impl FrameBank<'_> {
         self.heads.iter().any(Head::is_active)
     }
 
+    /// True if a force has acted in this block.
+    pub(super) fn is_forced(&self) -> bool {
+        self.heads.iter().any(Head::is_forced)
+    }
+
     /// Nominal cycles of the heads over a run of frames, under a force or not.
     pub fn head_cycles(&self, frames: u32, force: bool) -> u32 {
         let [first, second] = &self.heads;

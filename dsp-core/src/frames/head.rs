@@ -145,6 +145,11 @@ impl<'m> Head<'m> {
         self.forced != [NOTHING; PARTS] || self.tail == Tail::Ready
     }
 
+    /// True if this block has had a force.
+    pub(super) fn is_forced(&self) -> bool {
+        self.forced.iter().skip(PARTS / 2).any(|range| *range != NOTHING)
+    }
+
     /// Force of the last block; `None` if there was none.
     pub(super) fn last_block(&self) -> Option<&[i32; BLOCK_FRAMES]> {
         let was_forced = self.forced.iter().take(PARTS / 2).any(|range| *range != NOTHING);

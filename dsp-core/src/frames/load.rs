@@ -19,6 +19,8 @@ pub struct FrameBankSize {
     pub modes: usize,
     /// Number of positions of the table.
     pub positions: usize,
+    /// Frames of the longest contact of the pad's strikers at velocity 1.
+    pub contact_frames: u32,
     /// True if the pad can be choked.
     pub has_hand: bool,
 }
@@ -26,10 +28,20 @@ pub struct FrameBankSize {
 impl FrameBankSize {
     /// Nominal cycles a frame of a lone pad in its dearest tick: that of a strike, or under a force
     /// that never rests if a sensor's signal itself is the force (`is_direct`).
+    ///
+    /// The dearest tick depends on the contact: each of its frames is multiplied by a block of the
+    /// head (`cargo test -p host-tests --test on_chip frames::long_contacts -- --nocapture`).
+    /// Strikes below velocity 1 may last longer; a board's
+    /// [percentage](crate::engine::Setup::frame_worst_percent) covers 1.7 times the contact.
     pub fn cycles(&self, is_direct: bool) -> u32 {
-        let (frame, mode) = if is_direct { (DIRECT_FRAME, DIRECT_MODE) } else { (STRUCK_FRAME, STRUCK_MODE) };
-        let (hand_frame, hand_mode) = if self.has_hand { (HAND_FRAME, HAND_MODE) } else { (0.0, 0.0) };
-        (frame + hand_frame + (mode + hand_mode) * self.modes as f32) as u32
+        let modes = self.modes as f32;
+        let direct = DIRECT_FRAME + DIRECT_MODE * modes;
+        let frames = self.contact_frames as f32;
+        let contact = CONTACT_FRAME * frames + LONG_CONTACT_FRAME * (frames - LONG_CONTACT).max(0.0);
+        let struck = STRUCK_FRAME + (STRUCK_MODE - CONTACT_MODE * frames).max(0.0) * modes + contact;
+        let struck = struck.min(direct);
+        let hand = if self.has_hand { HAND_FRAME + HAND_MODE * modes } else { 0.0 };
+        (hand + if is_direct { direct } else { struck }) as u32
     }
 }
 
@@ -37,10 +49,16 @@ impl FrameBankSize {
 /// (`cargo test -p host-tests --test on_chip frames -- --nocapture`).
 const DRIVEN_FRAME: f32 = 1318.0;
 const DRIVEN_MODE: f32 = 0.584;
-/// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, in that
-/// under a force that never rests, and those of each mode (the same).
-const STRUCK_FRAME: f32 = 763.0;
-const STRUCK_MODE: f32 = 0.714;
+/// Nominal cycles a frame of a lone pad, to the output: in the dearest tick of a strike, those of
+/// each mode, of each frame of the contact and more beyond so many, and what each mode saves of
+/// these: the tail is then there earlier.
+const STRUCK_FRAME: f32 = 595.0;
+const STRUCK_MODE: f32 = 0.75;
+const CONTACT_FRAME: f32 = 2.45;
+const LONG_CONTACT: f32 = 132.0;
+const LONG_CONTACT_FRAME: f32 = 0.45;
+const CONTACT_MODE: f32 = 0.000_2;
+/// Nominal cycles a frame under a force that never rests, and those of each mode.
 const DIRECT_FRAME: f32 = 1510.0;
 const DIRECT_MODE: f32 = 0.739;
 /// Cycles that a hand adds to both.
@@ -73,14 +91,15 @@ fn outlasts_head(pole: &FramePole) -> bool {
 }
 
 impl<'m> FrameBank<'m> {
-    /// Size of the bank of a table at a sample rate.
+    /// Size of the bank of a table at a sample rate, for contacts of no length.
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
     pub fn size(table: &BankTable<'_>, rate: SampleRate) -> Result<FrameBankSize, BankError> {
         check_bank(table, rate)?;
         let modes = rendered(table, rate).filter(|(_, pole)| outlasts_head(pole)).count();
-        Ok(FrameBankSize { modes, positions: table.positions, has_hand: table.choke_t60_s > 0.0 })
+        let has_hand = table.choke_t60_s > 0.0;
+        Ok(FrameBankSize { modes, positions: table.positions, contact_frames: 0, has_hand })
     }
 
     /// Number of modes of a table below Nyquist.

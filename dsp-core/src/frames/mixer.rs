@@ -51,6 +51,8 @@ pub struct FrameMixer<'m> {
     pub(super) first_tail: (u32, u32),
     /// Number of the tick in this block.
     pub(super) tick: usize,
+    /// True for this block and the last one if banks gather a force.
+    gathers: [bool; 2],
 }
 
 /// Form of a block.
@@ -96,6 +98,7 @@ impl<'m> FrameMixer<'m> {
             all: 0,
             first_tail: (0, 1),
             tick: 0,
+            gathers: [false; 2],
         }
     }
 
@@ -143,6 +146,23 @@ impl<'m> FrameMixer<'m> {
         plays + if works { share() + TICK } else { 0 }
     }
 
+    /// Number of ticks, from this one on, in which banks gather a force, as far as is known. A
+    /// force that has gone on for three blocks is expected to go on.
+    pub fn dear_ticks<'b>(&self, banks: &[impl InFrames<'b>]) -> u32 {
+        let rest = TICKS.saturating_sub(self.tick) as u32;
+        match self.gathers {
+            [false, _] => 0,
+            [true, gathered] if banks.iter().filter_map(InFrames::frames).any(FrameBank::is_forced) => {
+                if gathered {
+                    u32::MAX
+                } else {
+                    rest + TICKS as u32
+                }
+            }
+            _ => rest,
+        }
+    }
+
     /// True if neither this block nor the next one has any sound from frames.
     pub fn is_silent(&self) -> bool {
         self.forms == [BlockForm::Silent; 2]
@@ -152,6 +172,7 @@ impl<'m> FrameMixer<'m> {
     pub fn rest(&mut self) {
         (self.forms, self.step) = ([BlockForm::Silent; 2], Step::Rest);
         (self.done, self.all, self.retired_modes) = (0, 0, 0);
+        self.gathers = [false; 2];
     }
 
     /// Begins a block: the one that was made plays, and the work on the next one begins.
@@ -166,6 +187,7 @@ impl<'m> FrameMixer<'m> {
         (self.done, self.all, self.tick) = (0, 0, 0);
         self.choose_tails(banks);
         (self.bank, self.slot, self.step) = (0, 0, Step::Rest);
+        self.gathers = [false, self.gathers[0]];
         let (mut free, mut under_hand, mut gains) = (0, 0, [0.0; 2]);
         for bank in banks.iter().filter_map(InFrames::frames).filter(|bank| bank.works()) {
             *(if bank.hand.next().is_some() { &mut under_hand } else { &mut free }) += 1;
@@ -185,6 +207,7 @@ impl<'m> FrameMixer<'m> {
         }
         let forces = |bank: &FrameBank<'_>| (0..SLOTS).filter(|&slot| bank.to_gather(slot).is_some()).count() as u32;
         let begun: u32 = banks.iter().filter_map(InFrames::frames).map(forces).sum();
+        self.gathers[0] = begun > 0;
         let has_tail = self.first_tail.0 > 0;
         self.done = begun * if has_tail { BEGIN_TAIL } else { BEGIN_FORCE };
         self.all += self.done;

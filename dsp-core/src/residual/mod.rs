@@ -42,6 +42,7 @@ mod job;
 mod lines;
 mod making;
 mod onset;
+mod schedule;
 mod shaper;
 mod slope;
 mod stream;

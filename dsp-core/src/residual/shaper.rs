@@ -17,39 +17,34 @@ use crate::time::TICK_FRAMES;
 /// Number of waves in memory: two frames, one in the making, a strike's own, and new noise for the
 /// next strike.
 const REGIONS: usize = 5;
-/// Cycles a tick for making the noise of the next strike, which takes some 200 ms with a hundred
-/// bands.
-const RENEWAL_CYCLES: u32 = 400;
-/// Cycles a tick of a stream that fades out, and of another one's fading in beyond its sounding.
-/// Chosen such that the dearest ticks are cheapest.
-const STREAM_CYCLES: u32 = 1_700;
-
 /// Noise in bands, each of which decays at its own rate after every strike.
 ///
 /// 24 KB. Accuracy against the law and cycles: `docs/residual.md`.
 #[derive(Debug)]
 pub struct Shaper<'m> {
-    bands: Bands<'m>,
-    noise: Sfc32,
-    onset: Onset,
+    pub(super) bands: Bands<'m>,
+    pub(super) noise: Sfc32,
+    pub(super) onset: Onset,
     /// Power below which the sound ends.
-    silence: f32,
-    waves: &'m mut [[Complex; MAX_POINTS]],
+    pub(super) silence: f32,
+    pub(super) waves: &'m mut [[Complex; MAX_POINTS]],
     /// The waves that sound: up to two frames, a strike's own, and the end of another strike's.
-    streams: [Option<Stream>; 4],
-    job: Option<Job>,
-    renewal: Option<Making>,
+    pub(super) streams: [Option<Stream>; 4],
+    pub(super) job: Option<Job>,
+    pub(super) renewal: Option<Making>,
     /// Ticks until the next frame begins; 0 if there will be none.
-    ticks_to_next: u32,
+    pub(super) ticks_to_next: u32,
     /// True if the next frame is the first to carry a strike.
-    in_onset: bool,
+    pub(super) in_onset: bool,
     /// True if a strike came in this tick, which leaves no time for more.
     just_struck: bool,
+    /// True if work on the next frame has waited for cheaper ticks.
+    pub(super) has_waited: bool,
     /// Ticks since the last frame began.
-    ticks_since: u32,
+    pub(super) ticks_since: u32,
     active: bool,
     /// True while a hand lies on the object.
-    choked: bool,
+    pub(super) choked: bool,
     /// Ticks for which a hand has lain there since the time for which the bands' energies stand,
     /// and the number of such ticks that the frame in the making expects.
     choked_ticks: f32,
@@ -71,6 +66,7 @@ impl<'m> Shaper<'m> {
             ticks_to_next: 0,
             in_onset: false,
             just_struck: false,
+            has_waited: false,
             ticks_since: 0,
             active: false,
             choked: false,
@@ -148,22 +144,23 @@ impl<'m> Shaper<'m> {
     }
 
     /// The value without a hand or the one with a hand, by what lies on the object now.
-    fn left_of(&self, [free, choked]: [f32; 2]) -> f32 {
+    pub(super) fn left_of(&self, [free, choked]: [f32; 2]) -> f32 {
         if self.choked { choked } else { free }
     }
 
     /// Begins to make a frame that begins in `ticks` ticks; there must be none in the making.
-    fn make(&mut self, passage: Passage, ticks: u32, is_struck: bool) {
+    pub(super) fn make(&mut self, passage: Passage, ticks: u32, is_struck: bool) {
         let to_come = if self.choked { ticks as f32 } else { 0.0 };
         self.expected_ticks = self.choked_ticks + to_come;
         let passage = Passage { choked_ticks: self.expected_ticks, is_choked: self.choked, ..passage };
         let region = self.free_region().unwrap_or(0);
         self.job = Some(Job::new(region, passage, self.bands.count(), is_struck));
+        self.has_waited = false;
     }
 
     /// Counts held ticks anew from the beginning of the frame that was in the making, for which the
     /// bands' energies stand now. Gives the ticks by which the hand lay there longer than expected.
-    fn settle_choke(&mut self) -> f32 {
+    pub(super) fn settle_choke(&mut self) -> f32 {
         self.choked_ticks -= core::mem::take(&mut self.expected_ticks);
         self.choked_ticks
     }
@@ -219,7 +216,7 @@ impl<'m> Shaper<'m> {
         self.add_stream(Stream::of_strike(self.onset.region, start, strength, self.onset.per_frame));
     }
 
-    fn add_stream(&mut self, stream: Stream) {
+    pub(super) fn add_stream(&mut self, stream: Stream) {
         if let Some(free) = self.streams.iter_mut().find(|stream| stream.is_none()) {
             *free = Some(stream);
         }
@@ -238,7 +235,7 @@ impl<'m> Shaper<'m> {
         self.make(Passage { ticks, ..Passage::NEXT }, FRAME_TICKS, true);
     }
 
-    fn free_region(&self) -> Option<usize> {
+    pub(super) fn free_region(&self) -> Option<usize> {
         let is_used = |region: &usize| {
             self.onset.region == *region
                 || self.renewal.is_some_and(|renewal| renewal.region == *region)
@@ -261,31 +258,43 @@ impl<'m> Shaper<'m> {
         let mut sum = [0.0; TICK_FRAMES];
         let Some(sum) = sum.get_mut(..out.len()) else { return };
         for stream in self.streams.iter_mut().flatten() {
-            let memory: &[Complex] = self.waves.get(stream.region).map_or(&[], |wave| wave);
-            stream.add_to(memory, self.choked, sum);
+            if let Some(wave) = self.waves.get(stream.region) {
+                stream.add_to(wave, self.choked, sum);
+            }
         }
-        for (out, &sum) in out.iter_mut().zip(&*sum) {
-            // `as` saturates.
-            *out = fixed::qadd(*out, (sum * fixed::ONE_Q27 as f32) as i32);
+        // `as` saturates.
+        let add = |out: &mut i32, sum: f32| *out = fixed::qadd(*out, (sum * fixed::ONE_Q27 as f32) as i32);
+        let (fours, rest) = out.as_chunks_mut::<4>();
+        let (sums, last) = sum.as_chunks::<4>();
+        for ([a, b, c, d], &[e, f, g, h]) in fours.iter_mut().zip(sums) {
+            add(a, e);
+            add(b, f);
+            add(c, g);
+            add(d, h);
         }
+        rest.iter_mut().zip(last).for_each(|(out, &sum)| add(out, sum));
     }
 
     /// Does a tick's work for the frames to come. Call it after the tick's last run.
+    ///
+    /// `dear_ticks` is the number of ticks, from this one on, that other parts of the engine make
+    /// dear: as much of the work as possible then waits for the ticks behind them, which do at most
+    /// twice an even share.
     #[inline(always)]
-    pub fn end_tick(&mut self) {
+    pub fn end_tick(&mut self, dear_ticks: u32) {
         if self.active {
-            self.end_sounding_tick();
+            self.end_sounding_tick(dear_ticks);
         }
     }
 
     #[inline(never)]
-    fn end_sounding_tick(&mut self) {
+    fn end_sounding_tick(&mut self, dear_ticks: u32) {
         self.ticks_since += 1;
         if self.choked {
             self.choked_ticks += 1.0;
         }
         if self.ticks_to_next > 0 && !core::mem::take(&mut self.just_struck) {
-            self.work();
+            self.work(dear_ticks);
         }
         for stream in &mut self.streams {
             if stream.as_ref().is_some_and(Stream::is_over) {
@@ -301,85 +310,5 @@ impl<'m> Shaper<'m> {
         if self.ticks_to_next == 0 && self.streams.iter().all(Option::is_none) {
             self.stop();
         }
-    }
-
-    /// Approximate cycles of this tick's work, strikes aside.
-    pub fn cycles_ahead(&self) -> u32 {
-        let renewal = if self.wants_renewal() { RENEWAL_CYCLES } else { 0 };
-        if self.job.is_some() && self.ticks_to_next > 0 { self.share() + renewal } else { 0 }
-    }
-
-    /// Nominal cycles of the dearest tick with a number of bands: strikes on strikes, whose frames
-    /// carry both, with four streams at once.
-    pub fn dearest_tick(bands: usize) -> u32 {
-        Job::cycles(bands, true) / FRAME_TICKS + RENEWAL_CYCLES + 2 * STREAM_CYCLES
-    }
-
-    /// Cycles of this tick's share of the next frame, less the cost of the streams that end before
-    /// that frame begins.
-    fn share(&self) -> u32 {
-        let mut left = self.job.as_ref().map_or(0, Job::left);
-        let mut streams = 0;
-        for ticks in self.streams.iter().flatten().filter_map(Stream::ticks_to_end) {
-            (left, streams) = (left + ticks * STREAM_CYCLES, streams + STREAM_CYCLES);
-        }
-        (left / self.ticks_to_next.max(1)).saturating_sub(streams)
-    }
-
-    /// True if the next strike has no new noise yet and there is time to make it.
-    fn wants_renewal(&self) -> bool {
-        self.onset.is_used && !self.in_onset
-    }
-
-    /// Does this tick's share of the work for the next frame.
-    fn work(&mut self) {
-        let share = if self.ticks_to_next > 1 { self.share() } else { u32::MAX };
-        if let Some(job) = self.job.as_mut()
-            && let Some(memory) = self.waves.get_mut(job.region)
-        {
-            job.advance(&mut self.bands, memory, &mut self.noise, share);
-            if !self.in_onset && job.is_below(self.silence, 1.0) {
-                self.job = None;
-            }
-        }
-        if self.wants_renewal() {
-            self.renew();
-        }
-    }
-
-    /// Makes some of the new noise for the next strike.
-    #[inline(never)]
-    fn renew(&mut self) {
-        if self.renewal.is_none() {
-            self.renewal = self.free_region().map(|region| self.onset.renewal(region, &self.bands));
-        }
-        if let Some(renewal) = self.renewal.as_mut()
-            && let Some(memory) = self.waves.get_mut(renewal.region)
-        {
-            renewal.advance(&self.bands, memory, &mut self.noise, RENEWAL_CYCLES);
-            if renewal.is_over() {
-                self.onset.renew(renewal);
-                self.renewal = None;
-            }
-        }
-    }
-
-    fn begin_next(&mut self) {
-        if core::mem::take(&mut self.in_onset) {
-            self.streams.iter_mut().flatten().for_each(Stream::end);
-        }
-        self.ticks_since = 0;
-        let more = self.settle_choke();
-        let silence = self.silence;
-        let job = self.job.take().map(|job| (job, job.kept(more)));
-        let Some((job, kept)) = job.filter(|(job, kept)| !job.is_below(silence, *kept)) else {
-            // The frame would be inaudible: the streams that still sound fade out.
-            self.bands.clear();
-            return;
-        };
-        self.add_stream(job.stream(kept));
-        self.ticks_to_next = FRAME_TICKS;
-        let passage = job.onward();
-        self.make(passage, FRAME_TICKS, passage.is_struck());
     }
 }

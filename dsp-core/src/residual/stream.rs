@@ -86,7 +86,7 @@ impl Stream {
     }
 
     /// Adds its next frames to `out` and moves on.
-    pub(super) fn add_to(&mut self, memory: &[Complex], is_choked: bool, mut out: &mut [f32]) {
+    pub(super) fn add_to(&mut self, memory: &[Complex; MAX_POINTS], is_choked: bool, mut out: &mut [f32]) {
         let [free, choked] = self.per_frame;
         let per_frame = if is_choked { choked } else { free };
         while !out.is_empty() {
@@ -107,13 +107,19 @@ impl Stream {
     }
 
     #[inline(never)]
-    fn add_flat(&mut self, memory: &[Complex], per_frame: f32, out: &mut [f32]) {
+    fn add_flat(&mut self, memory: &[Complex; MAX_POINTS], per_frame: f32, out: &mut [f32]) {
         self.add(memory, per_frame, || 1.0, out);
     }
 
     /// Adds frames of a slope, from a place on, up or down.
     #[inline(never)] // one copy for both: each would wait for flash anew
-    fn add_slope(&mut self, memory: &[Complex], per_frame: f32, (mut place, step): (usize, isize), out: &mut [f32]) {
+    fn add_slope(
+        &mut self,
+        memory: &[Complex; MAX_POINTS],
+        per_frame: f32,
+        (mut place, step): (usize, isize),
+        out: &mut [f32],
+    ) {
         let next = || {
             let slope = SLOPE.get(place).copied().unwrap_or(0.0);
             place = place.wrapping_add_signed(step);
@@ -123,7 +129,13 @@ impl Stream {
     }
 
     #[inline(always)]
-    fn add(&mut self, memory: &[Complex], per_frame: f32, mut window: impl FnMut() -> f32, mut out: &mut [f32]) {
+    fn add(
+        &mut self,
+        memory: &[Complex; MAX_POINTS],
+        per_frame: f32,
+        mut window: impl FnMut() -> f32,
+        mut out: &mut [f32],
+    ) {
         let (mut position, mut gain) = (self.place(), self.gain);
         let turn = self.turn();
         let at = |position: u32| sample_pair(memory, position, turn);
@@ -190,7 +202,7 @@ enum Part {
 /// Samples at an even position and the next one, or those of the pair that an odd position is in;
 /// `turn` as of [`Stream::turn`].
 #[inline(always)]
-fn sample_pair(memory: &[Complex], position: u32, turn: u32) -> [f32; 2] {
+fn sample_pair(memory: &[Complex; MAX_POINTS], position: u32, turn: u32) -> [f32; 2] {
     let [even, odd] = memory.get(place(position ^ turn, POINTS_LOG2)).copied().unwrap_or([0.0; 2]);
     if turn == 0 { [even, odd] } else { [odd, even] }
 }

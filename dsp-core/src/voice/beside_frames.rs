@@ -1,6 +1,7 @@
 //! Rendering of a pad whose object's modes are in frames: what it does sample by sample.
 
 use super::render::{Ran, take_force};
+use super::residual::Residual;
 use super::state::{PadWork, Run, Voice};
 use crate::contact::ActiveContacts;
 use crate::frames::{FrameBank, InFrames};
@@ -54,6 +55,22 @@ impl Voice<'_, '_> {
         work
     }
 
+    /// True if the residual goes to the pad's own bus, to be panned with the heads of modes in
+    /// frames: panning once takes 14 to 26 cycles a frame less.
+    pub(super) fn pans_noise_with_modes(&self) -> bool {
+        self.frames.is_some() && self.filters.is_none()
+    }
+
+    /// Adds the residual of a pad in frames to the pad's own bus.
+    #[inline(always)]
+    pub(super) fn add_noise_of_frames(&mut self, bus: &mut [i32]) {
+        if self.pans_noise_with_modes()
+            && let Some(residual) = self.residual.as_deref_mut()
+        {
+            residual.render(bus);
+        }
+    }
+
     /// True if a force acts at the position of slot 1 of an object in frames.
     pub(super) fn has_second_in_frames(&self, direct: Option<&[i32]>, contacts: &ActiveContacts<'_>) -> bool {
         self.frames.as_deref().is_some_and(FrameBank::has_positions)
@@ -66,7 +83,8 @@ impl Voice<'_, '_> {
         let striker_modes = self.banks.iter().map(|bank| bank.running_modes(true)).sum::<u32>();
         let Some(object) = self.frames.as_deref() else { return (0, 0) };
         let (object_modes, is_head_active) = (object.running_modes(), object.is_head_active());
-        if is_head_active || striker_modes > 0 {
+        let has_noise = self.pans_noise_with_modes() && self.residual.as_deref().is_some_and(Residual::is_active);
+        if is_head_active || striker_modes > 0 || has_noise {
             self.ring_on_bus(frames, odd_start, out);
         }
         (object_modes * frames as u32, striker_modes * frames as u32)

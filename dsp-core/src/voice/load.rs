@@ -58,7 +58,8 @@ impl VoiceSize {
         if !FrameBank::can_choke(&table, rate) {
             return Ok(Err(Form::FastChoke));
         }
-        self.frames = Some(FrameBank::size(&table, rate)?);
+        let contact_frames = tables.longest_contact_s() * rate.hz_f32();
+        self.frames = Some(FrameBankSize { contact_frames: contact_frames as u32, ..FrameBank::size(&table, rate)? });
         if let Some(object) = self.banks.first_mut() {
             *object = BankSize::default();
         }

@@ -39,6 +39,7 @@ impl Voice<'_, '_> {
         });
         if let Some(object) = self.frames.as_deref_mut() {
             object.render([None; 2], sound);
+            self.add_noise_of_frames(sound);
         }
         self.panner.render(sound, out);
     }
@@ -99,6 +100,7 @@ impl Voice<'_, '_> {
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..force.len()) else { return };
         self.add_driven(run, contacts, (force, None), (sound, None), work);
+        self.add_noise_of_frames(sound);
         self.panner.render(sound, out);
     }
 
@@ -116,6 +118,7 @@ impl Voice<'_, '_> {
         let frames = force.len();
         let (Some(sound), Some(second)) = (sound.get_mut(..frames), second.get_mut(..frames)) else { return };
         self.add_driven(run, contacts, (force, Some(second)), (sound, None), work);
+        self.add_noise_of_frames(sound);
         self.panner.render(sound, out);
     }
 
@@ -284,12 +287,17 @@ impl Voice<'_, '_> {
         (ran, work)
     }
 
-    /// Adds a run of the residual to the stereo bus; gives its frames.
+    /// Adds a run of the residual to the stereo bus, unless it goes by way of the pad's own; gives
+    /// its frames.
     #[inline(never)] // its buffer and registers must not weigh on kits without residuals
     pub fn render_residual(&mut self, out: &mut [[i32; 2]]) -> u32 {
+        let is_panned_with_modes = self.pans_noise_with_modes();
         let Some(residual) = self.residual.as_deref_mut().filter(|residual| residual.is_active()) else {
             return 0;
         };
+        if is_panned_with_modes {
+            return out.len() as u32;
+        }
         let mut sound = [0; TICK_FRAMES];
         let Some(sound) = sound.get_mut(..out.len()) else { return 0 };
         residual.render(sound);

@@ -78,15 +78,16 @@ impl<'m> Residual<'m> {
         self.shaper.render(bus);
     }
 
-    /// Works on noise to come, behind the last run of a tick.
+    /// Works on noise to come, behind the last run of a tick; `dear_ticks` as of
+    /// [`Shaper::end_tick`].
     #[inline(always)]
-    pub(crate) fn end_tick(&mut self) {
-        self.shaper.end_tick();
+    pub(crate) fn end_tick(&mut self, dear_ticks: u32) {
+        self.shaper.end_tick(dear_ticks);
     }
 
     /// Nominal cycles of this tick's work on noise to come.
     #[inline(always)]
-    pub(crate) fn cycles(&self) -> u32 {
-        self.shaper.cycles_ahead()
+    pub(crate) fn cycles(&self, dear_ticks: u32) -> u32 {
+        self.shaper.cycles_ahead(dear_ticks)
     }
 }

@@ -1,5 +1,6 @@
 //! Tables of a pad's banks, from those of a kit.
 
+use crate::contact::law::full_contact_s;
 use crate::resonator::BankTable;
 use crate::table::{Kit, Object, Pad as PadTable, Striker};
 
@@ -46,6 +47,11 @@ impl<'a> PadTables<'a> {
 
     pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + use<'a> {
         self.kit.strikers_of(self.pad)
+    }
+
+    /// Length in seconds of the longest contact of the pad's strikers at velocity 1.
+    pub(super) fn longest_contact_s(&self) -> f32 {
+        self.strikers().map(|striker| full_contact_s(&striker.contact())).fold(0.0, f32::max)
     }
 
     pub(super) fn object_table(&self, typical_contact: (f32, f32)) -> BankTable<'a> {

@@ -65,7 +65,7 @@ pub fn play(shaper: &mut Shaper<'_>, strikes: &[(usize, f32)], frames: usize) ->
             shaper.render(&mut out[done..next]);
             done = next;
         }
-        shaper.end_tick();
+        shaper.end_tick(0);
     }
     out
 }

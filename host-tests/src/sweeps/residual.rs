@@ -244,7 +244,7 @@ pub fn rolls(extent: Extent) {
         for _ in 0..8 {
             let mut out = [0; TICK_FRAMES];
             shaper.render(&mut out);
-            shaper.end_tick();
+            shaper.end_tick(0);
             loudest = out.iter().map(|x| x.unsigned_abs()).fold(loudest, u32::max);
         }
     }

@@ -69,7 +69,7 @@ pub unsafe extern "C" fn residual_tick(strength: u32, offset: usize, out: *mut [
         shaper().strike(strength, offset);
     }
     shaper().render(after);
-    shaper().end_tick();
+    shaper().end_tick(0);
     0
 }
 
