@@ -66,7 +66,7 @@ fn play(shaper: &mut Shaper<'_>, acts: &[(usize, Act)], frames: usize) -> Vec<i3
         let end = acts.peek().map_or(frames, |(frame, _)| *frame).min(tick_end).min(frames);
         shaper.render(&mut out[at..end]);
         if end == tick_end {
-            shaper.end_tick();
+            shaper.end_tick(0);
         }
         at = end;
     }
