@@ -37,6 +37,8 @@ pub struct Partial {
 pub struct Partials {
     rate_hz: f64,
     calibration_db: f64,
+    /// Share of the first spectrum's power in its partials.
+    tonal_share: f64,
     /// First sample of each spectrum, and the bins and levels of its partials.
     spectra: Vec<(usize, Vec<(usize, f64)>)>,
 }
@@ -53,6 +55,7 @@ impl Partials {
         let calibration_db = LOUDEST_DB - 10.0 * loudest.log10();
         let background = background_db(before, rate_hz, calibration_db);
         let mut spectra = Vec::new();
+        let mut tonal_share = None;
         for start in STARTS_S.map(samples) {
             if start + SIZE / 2 > strike.len() {
                 break;
@@ -80,9 +83,11 @@ impl Partials {
                 masks.fold(-100.0, f64::max)
             };
             let kept = peaks.iter().filter(|&&bin| levels[bin] > masked(bin)).map(|&bin| (bin, levels[bin]));
-            spectra.push((start, kept.collect()));
+            let kept: Vec<(usize, f64)> = kept.collect();
+            tonal_share.get_or_insert_with(|| share_of(&kept, &levels));
+            spectra.push((start, kept));
         }
-        Self { rate_hz, calibration_db, spectra }
+        Self { rate_hz, calibration_db, tonal_share: tonal_share.unwrap_or(0.0), spectra }
     }
 
     /// All partials, spectrum after spectrum.
@@ -94,6 +99,13 @@ impl Partials {
                 level_db,
             })
         })
+    }
+
+    /// Share of the first spectrum's power that lies within three bins of its partials, 0 to 1.
+    ///
+    /// A strike whose partials have less than half is noise.
+    pub fn tonal_share(&self) -> f64 {
+        self.tonal_share
     }
 
     /// Distance of two bins in Hz.
@@ -125,6 +137,14 @@ impl Partials {
         }
         right / f64::max(sum, 1e-9)
     }
+}
+
+/// Share of a spectrum's power within three bins of its partials.
+fn share_of(partials: &[(usize, f64)], levels: &[f64]) -> f64 {
+    let power = |level: &f64| 10f64.powf(0.1 * level);
+    let is_near = |bin: usize| partials.iter().any(|(partial, _)| partial.abs_diff(bin) <= 3);
+    let near: f64 = levels.iter().enumerate().filter(|(bin, _)| is_near(*bin)).map(|(_, level)| power(level)).sum();
+    near / levels.iter().map(power).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// Power of the Hann spectrum of the first 8192 samples.

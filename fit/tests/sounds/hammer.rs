@@ -46,7 +46,8 @@ fn mean_lsd_db(recording: &Recording, found: &[Hit], most_modes: usize) -> f64 {
     for hit in found {
         let fit = fit_sound(&recording.samples, recording.rate_hz, &[*hit], settings).expect("it has modes");
         assert!(fit.modes.len() <= most_modes);
-        let stage = RecordedStrike::new(&recording.samples[hit.onset..hit.end], recording.rate_hz, 0.0);
+        let (before, strike) = recording.samples[..hit.end].split_at(hit.onset);
+        let stage = RecordedStrike::new(before, strike, recording.rate_hz, 0.0);
         let plain = stage.play(of_fit(&fit, &provenance), 1).expect("a board plays it");
         of_modes.push(plain.distances.lsd_db);
         let (whole, _) = stage.with_noise(plain, &fit.noise).expect("a board plays it");

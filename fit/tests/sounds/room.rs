@@ -169,7 +169,7 @@ fn a_room_that_modes_and_noise_explain_is_reported_and_not_in_the_table() {
         report.erb_with_room_db,
         report.room_level_db
     );
-    let stage = RecordedStrike::new(&sound, RATE_HZ, 0.0);
+    let stage = RecordedStrike::new(&[], &sound, RATE_HZ, 0.0);
     let itself = [103, 104].map(|seed| stage.distances(&in_room(&dry, &response(seed, 1.2, 1.2e-4).0, -75.0)));
     println!("the thing in other draws of the room: {itself:.2?}");
     for itself in itself {
@@ -195,7 +195,7 @@ fn a_room_that_modes_and_residual_do_not_explain_brings_their_table_nearer() {
     let provenance = Provenance { name: "thing".to_owned(), source: String::new(), licence: String::new() };
     let sound = in_room(&dry, &response(3, 1.2, 1.2e-4).0, -75.0);
     let room = estimate(&sound, RATE_HZ).expect("a room is heard");
-    let stage = RecordedStrike::new(&sound, RATE_HZ, 0.0);
+    let stage = RecordedStrike::new(&[], &sound, RATE_HZ, 0.0);
     let modes = stage.play(of_fit(&fit, &provenance), 1).expect("a board plays it");
     let most_lsd_db = modes.distances.lsd_db + MOST_RISE_DB;
     let (noisy, _) = stage.with_residual(modes.clone(), most_lsd_db).expect("a board plays it");
