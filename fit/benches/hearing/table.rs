@@ -8,6 +8,7 @@
 //! | cancelling | pairs of modes whose distance is below the sum of their half widths (d1 + d2)/2π and whose gains' sum is below half the sum of the gains' magnitudes (6 dB) |
 //! | partials | how many of the five loudest audible partials have a mode within 0.5 % and a level within 3 dB |
 //! | tonal | share of the first spectrum's power in the audible partials, three bins on either side; below a half the strike is noise |
+//! | wrong partials | the others of the five, with the nearest mode and the error of the level |
 //! | too loud | largest level in dB of a mode at velocity 0.5 and 0.25 over the force's own law |
 //! | dip | deepest level in dB of the contact's spectrum at a mode below its level at any higher frequency |
 //!
@@ -42,6 +43,7 @@ pub(crate) struct Checks {
     pub(crate) cancelling: usize,
     pub(crate) partials: usize,
     pub(crate) wanted_partials: usize,
+    pub(crate) wrong: String,
     pub(crate) tonal: f64,
     pub(crate) too_loud_db: f64,
     pub(crate) dip_db: f64,
@@ -73,7 +75,7 @@ impl Checks {
         let fastest = modes::Settings::default().fastest_decay_per_s;
         let size = |mode: &Mode| mode.gain.0.hypot(mode.gain.1);
         let [least, most] = GAINS;
-        let (partials, wanted_partials) = partials(fitted, heard, &modes);
+        let (partials, wanted_partials, wrong) = partials(fitted, heard, &modes);
         let rate_hz = fitted.recording.rate_hz;
         let contact_s = f64::from(striker.contact_time_s);
         let spectrum = Spectrum::new(contact_s, rate_hz);
@@ -109,6 +111,7 @@ impl Checks {
                 .sum(),
             partials,
             wanted_partials,
+            wrong,
             tonal: heard.partials().tonal_share(),
             too_loud_db: VELOCITIES.map(too_loud_db).into_iter().fold(f64::NEG_INFINITY, f64::max),
             dip_db: modes.iter().map(dip_db).fold(0.0, f64::max),
@@ -116,12 +119,13 @@ impl Checks {
     }
 
     /// Head of the columns that [`Self::line`] prints.
-    pub(crate) const HEAD: &str = "low | fast | gains | cancelling | partials | tonal | too loud, dB | dip, dB |";
+    pub(crate) const HEAD: &str =
+        "low | fast | gains | cancelling | partials | tonal | too loud, dB | dip, dB | wrong partials |";
 
     /// The figures as cells of a table.
     pub(crate) fn line(&self) -> String {
         format!(
-            "{} | {} | {} | {} | {} of {} | {:.2} | {:+.1} | {:.1} |",
+            "{} | {} | {} | {} | {} of {} | {:.2} | {:+.1} | {:.1} | {} |",
             self.low,
             self.fast,
             self.gains,
@@ -130,7 +134,8 @@ impl Checks {
             self.wanted_partials,
             self.tonal,
             self.too_loud_db,
-            self.dip_db
+            self.dip_db,
+            self.wrong
         )
     }
 }
@@ -160,8 +165,9 @@ impl Spectrum {
     }
 }
 
-/// Number of the loudest partials that are right, and the number of those looked for.
-fn partials(fitted: &Fitted, heard: &Heard, modes: &[Mode]) -> (usize, usize) {
+/// Number of the loudest partials that are right, the number of those looked for, and the others:
+/// their frequency, that of the nearest mode, and the error of the level.
+fn partials(fitted: &Fitted, heard: &Heard, modes: &[Mode]) -> (usize, usize, String) {
     let errors_db = heard.partials().errors_db(&fitted.whole);
     let mut all: Vec<(f64, f64, f64)> = heard
         .partials()
@@ -178,9 +184,17 @@ fn partials(fitted: &Fitted, heard: &Heard, modes: &[Mode]) -> (usize, usize) {
             loudest.push(partial);
         }
     }
-    let is_right = |&&(_, hz, error_db): &&(f64, f64, f64)| {
-        let reach = (NEAR * hz).max(0.5 * bin_hz);
-        modes.iter().any(|mode| (mode.angular / TAU - hz).abs() <= reach) && error_db.abs() <= 3.0
+    let nearest = |hz: f64| {
+        let distance = |mode: &&Mode| (mode.angular / TAU - hz).abs();
+        modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(0.0, |mode| mode.angular / TAU)
     };
-    (loudest.iter().filter(is_right).count(), loudest.len())
+    let is_right = |&(_, hz, error_db): &(f64, f64, f64)| {
+        (nearest(hz) - hz).abs() <= (NEAR * hz).max(0.5 * bin_hz) && error_db.abs() <= 3.0
+    };
+    let wrong: Vec<String> = loudest
+        .iter()
+        .filter(|partial| !is_right(partial))
+        .map(|&(_, hz, error_db)| format!("{hz:.0} Hz (mode {:.0}, {error_db:+.1} dB)", nearest(hz)))
+        .collect();
+    (loudest.len() - wrong.len(), loudest.len(), wrong.join(", "))
 }

@@ -81,13 +81,12 @@ impl Objective {
         };
         for size in [512usize, 2048] {
             let hop = size / 4;
-            // As the log-spectral distance has them, and before: until the onset is in the last
-            // quarter of a frame.
-            let before = if size == 512 { 3 + window.start.div_ceil(hop) as i64 } else { 0 };
-            let count = (window.len().saturating_sub(size) / hop) as i64;
+            // As the log-spectral distance has them, and one before: the onset is in its last
+            // quarter.
+            let before = (size / 2) as i64;
+            let count = ((window.end + size / 2).saturating_sub(size) / hop) as i64;
             let weight = LSD_WEIGHT / (count + 1) as f64;
-            let frames = (-before..=count).map(|index| index * hop as i64 + window.start as i64);
-            let frames = frames.filter(|start| start + size as i64 > (hop / 4) as i64);
+            let frames = (-1..=count).map(|index| index * hop as i64 - before);
             let frame = |start| Frame { start, weight: weight as f32, loudness_weight: 0.0 };
             add(Grid::new(sound, onset, size, frames.map(frame).collect(), Cells::Bins));
         }
