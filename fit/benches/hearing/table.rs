@@ -169,32 +169,21 @@ impl Spectrum {
 /// their frequency, that of the nearest mode, and the error of the level.
 fn partials(fitted: &Fitted, heard: &Heard, modes: &[Mode]) -> (usize, usize, String) {
     let errors_db = heard.partials().errors_db(&fitted.whole);
-    let mut all: Vec<(f64, f64, f64)> = heard
-        .partials()
-        .all()
-        .zip(errors_db)
-        .map(|(partial, error_db)| (partial.level_db, partial.frequency_hz, error_db))
-        .collect();
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let bin_hz = heard.partials().bin_hz();
-    let mut loudest: Vec<(f64, f64, f64)> = Vec::new();
-    for partial in all {
-        // A partial stands in several spectra, and may lie between two bins.
-        if loudest.len() < PARTIALS && loudest.iter().all(|other| (other.1 - partial.1).abs() > 1.5 * bin_hz) {
-            loudest.push(partial);
-        }
-    }
+    let loudest = heard.partials().loudest(PARTIALS);
+    let loudest: Vec<(f64, f64)> =
+        loudest.iter().map(|(index, partial)| (partial.frequency_hz, errors_db[*index])).collect();
     let nearest = |hz: f64| {
         let distance = |mode: &&Mode| (mode.angular / TAU - hz).abs();
         modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(0.0, |mode| mode.angular / TAU)
     };
-    let is_right = |&(_, hz, error_db): &(f64, f64, f64)| {
+    let is_right = |&(hz, error_db): &(f64, f64)| {
         (nearest(hz) - hz).abs() <= (NEAR * hz).max(0.5 * bin_hz) && error_db.abs() <= 3.0
     };
     let wrong: Vec<String> = loudest
         .iter()
         .filter(|partial| !is_right(partial))
-        .map(|&(_, hz, error_db)| format!("{hz:.0} Hz (mode {:.0}, {error_db:+.1} dB)", nearest(hz)))
+        .map(|&(hz, error_db)| format!("{hz:.0} Hz (mode {:.0}, {error_db:+.1} dB)", nearest(hz)))
         .collect();
     (loudest.len() - wrong.len(), loudest.len(), wrong.join(", "))
 }

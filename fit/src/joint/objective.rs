@@ -1,5 +1,6 @@
 //! The distance that the descent lowers, over several grids of frames.
 
+use super::LOUDEST;
 use super::cell::{Cell, Moments};
 use super::grid::{Cells, Frame, Grid, LEAST_SQUARE, LOUDNESS, bands};
 use super::noise::{Fall, NoiseGrid};
@@ -8,6 +9,7 @@ use super::spectra::{Shape, Slopes, Spectra};
 use super::split::Split;
 use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
+use crate::hearing::{Partial, Partials};
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
@@ -23,6 +25,8 @@ const ATTACK_WEIGHT: f64 = 0.2;
 const PARTIALS_WEIGHT: f64 = 0.3;
 /// Times at which the frames of partials begin behind the onset, in seconds.
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
+/// Weight of the levels of the loudest partials.
+const LOUDEST_WEIGHT: f64 = 0.3;
 /// Number of frames behind the first 0.25 s that are compared, evenly spread.
 const LATER_FRAMES: usize = 44;
 /// Bins at which the bands of the attack's frames begin.
@@ -43,6 +47,8 @@ struct Part {
 pub(super) struct Objective {
     parts: Vec<Part>,
     force: Vec<f64>,
+    /// Frequencies of the loudest partials in rad/sample.
+    partials: Vec<f64>,
 }
 
 /// A band's power at the strike, its decay, and the derivatives by both.
@@ -97,6 +103,11 @@ impl Objective {
         let weight = PARTIALS_WEIGHT as f32 / starts.len().max(1) as f32;
         let frames = starts.into_iter().map(|start| Frame { start, weight, loudness_weight: 0.0 });
         add(Grid::new(sound, onset, 8_192, frames.collect(), Cells::Bins).with_weights());
+        let partials = Partials::new(&sound[..onset], strike, rate_hz);
+        let partials: Vec<Partial> = partials.loudest(LOUDEST).into_iter().map(|(_, partial)| partial).collect();
+        if let Some(grid) = Grid::of_partials(sound, onset, rate_hz, &partials, LOUDEST_WEIGHT as f32) {
+            add(grid);
+        }
         let behind = force.len() as i64 + (ATTACK_S * rate_hz) as i64;
         let starts: Vec<i64> = (-96..behind).step_by(ATTACK_SIZE / 4).collect();
         let weight = (ATTACK_WEIGHT / starts.len() as f64) as f32;
@@ -104,7 +115,13 @@ impl Objective {
         let edges: Vec<f64> = ATTACK_BINS.iter().map(|bin| bin * rate_hz / ATTACK_SIZE as f64).collect();
         let cells = bands(&edges, ATTACK_SIZE, rate_hz);
         add(Grid::new(sound, onset, ATTACK_SIZE, frames.collect(), cells));
-        Self { parts, force: force.to_vec() }
+        let angular = |partial: &Partial| std::f64::consts::TAU * partial.frequency_hz / rate_hz;
+        Self { parts, force: force.to_vec(), partials: partials.iter().map(angular).collect() }
+    }
+
+    /// Frequencies of the loudest partials in rad/sample.
+    pub(super) fn partials(&self) -> &[f64] {
+        &self.partials
     }
 
     /// The distance of modes `(ln z, gain)` with the noise of `bands`, and its derivatives.
