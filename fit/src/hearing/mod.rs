@@ -26,7 +26,7 @@ pub use loudness::{Loudness, LoudnessError, specific_loudness};
 pub use partials::{Partial, Partials};
 
 /// Length of the beginning of a strike whose loudness is compared, in seconds.
-const LONGEST_S: f64 = 4.0;
+pub(crate) const LOUDNESS_S: f64 = 4.0;
 
 /// A recorded strike and what is needed to compare renderings with it.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl Heard {
         let end = end.min(recording.len());
         let onset = onset.min(end);
         let strike = recording[onset..end].to_vec();
-        let longest = (LONGEST_S * rate_hz) as usize;
+        let longest = (LOUDNESS_S * rate_hz) as usize;
         let before = &recording[..onset];
         Self {
             levels: RecordedLevels::new(before, &strike, rate_hz),

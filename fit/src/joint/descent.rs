@@ -17,7 +17,7 @@ const FORCE_STEP: f64 = 0.01;
 /// Largest change of a frequency in units of [`unit`], and of ln decay.
 const REACH: [f64; 2] = [1.0, 1.2];
 /// Angular frequency in rad/s that is added to a decay to give the unit of a frequency's change.
-const LEAST_UNIT: f64 = 8.0;
+const LEAST_UNIT: f64 = 1.0;
 /// Lowest frequency of a mode in Hz.
 const LOWEST_HZ: f64 = 20.0;
 /// Relative distance of a mode from one of the loudest partials within which it stays its mode.

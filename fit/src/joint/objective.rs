@@ -9,7 +9,7 @@ use super::spectra::{Shape, Slopes, Spectra};
 use super::split::Split;
 use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
-use crate::hearing::{Partial, Partials};
+use crate::hearing::{LOUDNESS_S, Partial, Partials};
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
@@ -20,15 +20,18 @@ const EARLY_ERB_WEIGHT: f64 = 0.5;
 /// Weight of the loudness error of the whole strike.
 const LOUDNESS_WEIGHT: f64 = 6.0;
 /// Weight of the attack's frames of 128 samples.
-const ATTACK_WEIGHT: f64 = 0.2;
+const ATTACK_WEIGHT: f64 = 0.3;
 /// Weight of the levels of partials, in long frames.
 const PARTIALS_WEIGHT: f64 = 0.3;
 /// Times at which the frames of partials begin behind the onset, in seconds.
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
 /// Weight of the levels of the loudest partials.
 const LOUDEST_WEIGHT: f64 = 0.3;
-/// Number of frames behind the first 0.25 s that are compared, evenly spread.
-const LATER_FRAMES: usize = 44;
+/// Number of frames behind the first 0.25 s that are compared, evenly spread over the time in which
+/// loudness is compared.
+const LATER_FRAMES: usize = 30;
+/// Number of frames behind that time.
+const LAST_FRAMES: usize = 20;
 /// Bins at which the bands of the attack's frames begin.
 const ATTACK_BINS: [f64; 9] = [0.0, 2.5, 4.5, 7.5, 11.5, 16.5, 24.5, 36.5, 64.5];
 /// Number of samples in the attack's frames.
@@ -144,23 +147,30 @@ impl Objective {
 }
 
 /// Frames of the ERB distance: all of the first 0.25 s, and some of the later ones.
+///
+/// Loudness counts as long as the loudness error does.
 fn erb_frames(strike: &[f64], rate_hz: f64) -> Vec<Frame> {
     const SIZE: usize = 1024;
     const HOP: usize = SIZE / 4;
     let count = 1 + strike.len().saturating_sub(SIZE) / HOP;
     let first = ((LSD_SECONDS * rate_hz) as usize / HOP).min(count);
-    let step = (count - first).div_ceil(LATER_FRAMES).max(1);
+    let heard = ((LOUDNESS_S * rate_hz) as usize / HOP).clamp(first, count);
     let whole = ERB_WEIGHT / count as f64;
     let early = EARLY_ERB_WEIGHT / first.max(1) as f64;
-    let frame = |index: i64, stands_for: f64, early: f64| Frame {
+    let frame = |index: i64, stands_for: f64, early: f64, loudness: f64| Frame {
         start: index * HOP as i64,
         weight: (whole * stands_for + early) as f32,
-        loudness_weight: (LOUDNESS_WEIGHT * stands_for) as f32,
+        loudness_weight: (loudness * stands_for) as f32,
     };
-    let before = (-3..0).map(|index| frame(index, 1.0, early));
-    let begin = (0..first as i64).map(|index| frame(index, 1.0, early));
-    let later = (first + step / 2..count).step_by(step).map(|index| frame(index as i64, step as f64, 0.0));
-    before.chain(begin).chain(later).collect()
+    let before = (-3..0).map(|index| frame(index, 1.0, early, LOUDNESS_WEIGHT));
+    let begin = (0..first as i64).map(|index| frame(index, 1.0, early, LOUDNESS_WEIGHT));
+    let spread = |from: usize, to: usize, most: usize, loudness: f64| {
+        let step = (to - from).div_ceil(most).max(1);
+        let index = (from + step / 2..to).step_by(step);
+        index.map(move |index| frame(index as i64, step as f64, 0.0, loudness))
+    };
+    let later = spread(first, heard, LATER_FRAMES, LOUDNESS_WEIGHT);
+    before.chain(begin).chain(later).chain(spread(heard, count, LAST_FRAMES, 0.0)).collect()
 }
 
 impl Part {
