@@ -90,12 +90,13 @@ impl Objective {
         };
         for size in [512usize, 2048] {
             let hop = size / 4;
-            // As the log-spectral distance has them, and one before: the onset is in its last
-            // quarter.
+            // As the log-spectral distance has them. One more of the short ones comes before: it has
+            // the onset in its last quarter.
+            let first = if size == 512 { -1 } else { 0 };
             let before = (size / 2) as i64;
             let count = ((window.end + size / 2).saturating_sub(size) / hop) as i64;
             let weight = LSD_WEIGHT / (count + 1) as f64;
-            let frames = (-1..=count).map(|index| index * hop as i64 - before);
+            let frames = (first..=count).map(|index| index * hop as i64 - before);
             let frame = |start| Frame { start, weight: weight as f32, loudness_weight: 0.0 };
             add(Grid::new(sound, onset, size, frames.map(frame).collect(), Cells::Bins));
         }
