@@ -78,3 +78,31 @@ fn of_partial(partial: &Partial, strike: &[f64], rate_hz: f64) -> DampedSine {
     let decay_per_s = ((first / second).ln() * rate_hz / apart as f64).clamp(DECAYS_PER_S[0], DECAYS_PER_S[1]);
     DampedSine { frequency_hz: partial.frequency_hz, decay_per_s, amplitude: first, phase: 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_loudest_partials_gets_a_mode() {
+        let sine = |frequency_hz: f64, decay_per_s: f64, amplitude: f64| DampedSine {
+            frequency_hz,
+            decay_per_s,
+            amplitude,
+            phase: 0.3,
+        };
+        let partials = [sine(323.0, 4.0, 0.1), sine(900.0, 6.0, 0.08), sine(2_500.0, 9.0, 0.05)];
+        let mut strike = vec![0.0; 44_100];
+        partials.iter().for_each(|partial| partial.add_to(&mut strike, 44_100.0));
+        // One mode is a partial's, one lies beside it within its width, none is at the third.
+        let modes = vec![sine(900.2, 6.0, 0.08), sine(327.0, 60.0, 0.1), sine(7_000.0, 9.0, 0.01)];
+        let modes = with_partials(modes, &[], &strike, 44_100.0, 3);
+        assert_eq!(modes.len(), 3);
+        for partial in partials {
+            let is_its = |mode: &DampedSine| (mode.frequency_hz / partial.frequency_hz - 1.0).abs() < 0.003;
+            assert!(modes.iter().any(is_its), "{partial:?}: {modes:?}");
+        }
+        let added = modes.iter().find(|mode| mode.frequency_hz > 2_000.0).expect("it is there");
+        assert!((added.decay_per_s / 9.0 - 1.0).abs() < 0.1, "{added:?}");
+    }
+}
