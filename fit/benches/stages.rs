@@ -87,8 +87,8 @@ fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
     options.strike.modes.most_modes = modes;
     let fitted = fit_file(file, &options)?;
     let strike = &fitted.fit.strikes[fitted.fit.loudest];
-    let samples = &fitted.recording.samples[strike.hit.onset..strike.hit.end];
-    let heard = RecordedStrike::new(samples, fitted.recording.rate_hz, strike.position);
+    let (before, samples) = fitted.recording.samples[..strike.hit.end].split_at(strike.hit.onset);
+    let heard = RecordedStrike::new(before, samples, fitted.recording.rate_hz, strike.position);
     let alone = heard.distances(&fitted.rendering);
     let PlayedTable { table, distances: whole, .. } = heard.play(fitted.table, DRAWS)?;
     let residual = table.objects.iter().find_map(|object| object.residual.as_ref());

@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use fit::bins;
-use fit::distance::{log_spectral_distance_db, lsd_window};
+use fit::distance::RecordedLevels;
 use fit::modes::{DampedSine, Settings, cramer_rao_bounds, estimate};
 use fit::score::{matches, quantile};
 use fit::synthetic::{Synthetic, struck};
@@ -44,8 +44,7 @@ impl Tally {
         self.seconds.push(seconds);
         let mut rendering = vec![0.0; sound.samples.len()];
         estimates.iter().for_each(|sine| sine.add_to(&mut rendering, sound.rate_hz));
-        let window = lsd_window(&sound.samples, sound.rate_hz);
-        self.lsd_db.push(log_spectral_distance_db(&sound.samples[window.clone()], &rendering[window]));
+        self.lsd_db.push(RecordedLevels::new(&[], &sound.samples, sound.rate_hz).lsd_db(&rendering));
     }
 
     fn print(&self, name: &str, noise_dbfs: f64) {

@@ -201,7 +201,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
     let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
-    let stage = RecordedStrike::new(heard, recording.rate_hz, strike.position);
+    let stage = RecordedStrike::new(&recording.samples[..strike.hit.onset], heard, recording.rate_hz, strike.position);
     let end = lsd_window(heard, recording.rate_hz).end;
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, end)?;
     let modes_alone = stage.distances(&rendering);

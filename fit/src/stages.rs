@@ -5,7 +5,8 @@
 //! quarter of a second, averaged over several noises. The log-spectral distance may not exceed that
 //! of the modes alone by more than [`MOST_RISE_DB`]. A physical prior has its residual in any case.
 
-use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
+pub use crate::distance::Distances;
+use crate::distance::RecordedLevels;
 use crate::error::FitError;
 use crate::{render, residual, room, table};
 
@@ -23,25 +24,13 @@ const ROOM_LEVELS_DB: [f64; 5] = [0.0, -3.0, -6.0, -10.0, -15.0];
 /// Least relative gain of the ERB distance for which a stage is kept.
 const LEAST_GAIN: f64 = 0.01;
 
-/// Distances of a sound from a recording.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Distances {
-    /// Log-spectral distance in dB.
-    pub lsd_db: f64,
-    /// ERB distance over the whole strike in dB.
-    pub erb_db: f64,
-    /// ERB distance in dB over the part of the strike that the log-spectral distance compares.
-    pub early_erb_db: f64,
-}
-
 /// A recorded strike with which played tables are compared.
 pub struct RecordedStrike<'a> {
+    before: &'a [f64],
     samples: &'a [f64],
     rate_hz: f64,
     position: f64,
-    window: std::ops::Range<usize>,
-    levels: ErbLevels,
-    early_levels: ErbLevels,
+    levels: RecordedLevels,
 }
 
 /// A table, its rendering by dsp-core with the table's own noise, and its distances from the
@@ -59,26 +48,15 @@ pub struct PlayedTable {
 
 impl<'a> RecordedStrike<'a> {
     /// A strike from its onset on, to be played at a position from 0 to 1.
-    pub fn new(samples: &'a [f64], rate_hz: f64, position: f64) -> Self {
-        let window = lsd_window(samples, rate_hz);
-        Self {
-            samples,
-            rate_hz,
-            position,
-            levels: ErbLevels::new(samples, rate_hz),
-            early_levels: ErbLevels::new(samples.get(window.clone()).unwrap_or(&[]), rate_hz),
-            window,
-        }
+    ///
+    /// `before` are the samples that precede it.
+    pub fn new(before: &'a [f64], samples: &'a [f64], rate_hz: f64, position: f64) -> Self {
+        Self { before, samples, rate_hz, position, levels: RecordedLevels::new(before, samples, rate_hz) }
     }
 
     /// Distances of a sound from the recording.
     pub fn distances(&self, sound: &[f64]) -> Distances {
-        let early = sound.get(self.window.clone()).unwrap_or(&[]);
-        Distances {
-            lsd_db: log_spectral_distance_db(self.samples.get(self.window.clone()).unwrap_or(&[]), early),
-            erb_db: self.levels.distance_db(&ErbLevels::new(sound, self.rate_hz)),
-            early_erb_db: self.early_levels.distance_db(&ErbLevels::new(early, self.rate_hz)),
-        }
+        self.levels.distances(sound)
     }
 
     /// Plays a table by dsp-core; the distances are averages over `draws` noises if the table has
@@ -202,8 +180,8 @@ impl<'a> RecordedStrike<'a> {
         edges_hz: &[f64],
     ) -> Result<Vec<Vec<residual::Band>>, FitError> {
         let rise_db = (most_lsd_db - plain.distances.lsd_db).max(0.0);
-        let all = residual::fit_bands(self.samples, &plain.sound, self.rate_hz, edges_hz)?;
-        let admitted = residual::admit(all.clone(), self.samples, &plain.sound, self.rate_hz, rise_db);
+        let all = residual::fit_bands(self.before, self.samples, &plain.sound, self.rate_hz, edges_hz)?;
+        let admitted = residual::admit(all.clone(), &self.levels, &plain.sound, self.rate_hz, rise_db);
         let at_levels = |bands: Vec<residual::Band>| {
             LEVELS
                 .map(|level| bands.iter().map(|band| residual::Band { weight: band.weight * level, ..*band }).collect())

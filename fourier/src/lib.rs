@@ -5,6 +5,7 @@
 //! through their traits.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use realfft::RealFftPlanner;
@@ -12,9 +13,14 @@ pub use realfft::num_complex::Complex;
 pub use realfft::{ComplexToReal, RealToComplex};
 
 thread_local! {
-    /// Planner that keeps its plans, so that each thread makes the tables of a length once.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+    /// Plans by length, so that each thread makes the tables of a length once.
+    static FORWARD: RefCell<BTreeMap<usize, Arc<dyn RealToComplex<f64>>>> = const { RefCell::new(BTreeMap::new()) };
+    /// Plans of the inverse transforms by length.
+    static INVERSE: RefCell<BTreeMap<usize, Arc<dyn ComplexToReal<f64>>>> = const { RefCell::new(BTreeMap::new()) };
 }
+
+// Each plan comes from a planner of its own. A planner builds new plans from those that it has made
+// before, so that their last bits would depend on what the thread has done until then.
 
 /// Plans the transform of `length` samples to `length/2 + 1` bins,
 /// `X[k] = Σ x[n] exp(−2πi·kn/length)`.
@@ -22,7 +28,9 @@ thread_local! {
 /// It is fastest if `length` has small prime factors only. Processing fails only for slices of
 /// other lengths than the plan's.
 pub fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+    FORWARD.with_borrow_mut(|plans| {
+        plans.entry(length).or_insert_with(|| RealFftPlanner::new().plan_fft_forward(length)).clone()
+    })
 }
 
 /// Plans the transform of `length/2 + 1` bins to `length` samples, without a scale: the output of
@@ -31,5 +39,34 @@ pub fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
 /// Processing fails for slices of other lengths than the plan's. It also fails if the first bin is
 /// not real, or for an even length the last, but computes the samples all the same.
 pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length))
+    INVERSE.with_borrow_mut(|plans| {
+        plans.entry(length).or_insert_with(|| RealFftPlanner::new().plan_fft_inverse(length)).clone()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bits of the spectrum of a fixed signal.
+    fn bits(length: usize) -> Vec<[u64; 2]> {
+        let mut input: Vec<f64> = (0..length).map(|n| ((n * n) as f64 * 0.37).sin()).collect();
+        let transform = forward(length);
+        let mut output = transform.make_output_vec();
+        transform.process(&mut input, &mut output).expect("the lengths are right");
+        output.iter().map(|bin| [bin.re.to_bits(), bin.im.to_bits()]).collect()
+    }
+
+    #[test]
+    fn spectra_do_not_depend_on_the_lengths_planned_before() {
+        let lengths = [96, 384, 1_152, 1_536, 3_000, 3_022, 8_192, 9_216, 11_025, 16_384, 5_174];
+        for length in lengths {
+            let alone = std::thread::spawn(move || bits(length)).join().expect("it ends");
+            let after_others = std::thread::spawn(move || {
+                lengths.iter().filter(|other| **other != length).for_each(|other| drop(forward(*other)));
+                bits(length)
+            });
+            assert!(alone == after_others.join().expect("it ends"), "{length}");
+        }
+    }
 }

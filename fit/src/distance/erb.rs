@@ -8,7 +8,7 @@ pub const ERB_BANDS: usize = 40;
 /// Lowest and highest edge in Hz.
 const RANGE_HZ: [f64; 2] = [50.0, 16_000.0];
 /// Number of samples in a frame; the hop is a quarter of it.
-const WINDOW: usize = 1024;
+pub(super) const WINDOW: usize = 1024;
 
 /// ERB rate of a frequency in Hz, up to a factor (Glasberg and Moore).
 fn erb_rate(hz: f64) -> f64 {

@@ -28,7 +28,7 @@ pub fn lsd_window(recording: &[f64], rate_hz: f64) -> std::ops::Range<usize> {
 /// below the recording's maximum, and both sounds have unit rms.
 ///
 /// Silence against a sound gives the distance to the floor, silence against silence 0.
-pub fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
+pub(crate) fn log_spectral_distance_db(recording: &[f64], rendering: &[f64]) -> f64 {
     let (recording, rendering) = (of_unit_rms(recording), of_unit_rms(rendering));
     let distances = SIZES.map(|size| {
         let frames = frame_distances_db(&recording, &rendering, size);
@@ -59,7 +59,12 @@ pub fn frame_distances_db(recording: &[f64], rendering: &[f64], size: usize) -> 
 
 /// The sound scaled to unit rms; silence stays silence.
 pub(crate) fn of_unit_rms(samples: &[f64]) -> Vec<f64> {
-    let power = samples.iter().map(|x| x * x).sum::<f64>() / samples.len().max(1) as f64;
-    let scale = if power > 0.0 { power.sqrt().recip() } else { 0.0 };
+    let scale = to_unit_rms(samples);
     samples.iter().map(|x| x * scale).collect()
+}
+
+/// Factor that scales a sound to unit rms; 0 for silence.
+pub(super) fn to_unit_rms(samples: &[f64]) -> f64 {
+    let power = samples.iter().map(|x| x * x).sum::<f64>() / samples.len().max(1) as f64;
+    if power > 0.0 { power.sqrt().recip() } else { 0.0 }
 }

@@ -2,21 +2,23 @@
 //!
 //! | measure | what it compares |
 //! | --- | --- |
-//! | log-spectral distance | single bins in dB, over 0.25 s from just before the peak |
-//! | ERB distance | levels in 40 bands in dB, over the whole strike, and over those 0.25 s |
+//! | log-spectral distance | single bins in dB, until 0.25 s behind the peak |
+//! | ERB distance | levels in 40 bands in dB, over the whole strike, and until 0.25 s behind the peak |
 //! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
 //! | partials | share of the audible partials whose level is right within 3 dB |
 //!
 //! A strike is judged from its onset on. The sound before the onset is the background: it masks
 //! quiet partials, and is not part of the strike.
 
+#[cfg(test)]
+mod clicks;
 mod gammatone;
 mod loudness;
 mod partials;
 
 use serde::Serialize;
 
-use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
+use crate::distance::{Distances, RecordedLevels};
 
 pub(crate) use gammatone::HOP_S;
 pub use gammatone::{centres_hz, threshold_db};
@@ -24,16 +26,13 @@ pub use loudness::{Loudness, LoudnessError, specific_loudness};
 pub use partials::{Partial, Partials};
 
 /// Length of the beginning of a strike whose loudness is compared, in seconds.
-const LONGEST_S: f64 = 4.0;
+pub(crate) const LOUDNESS_S: f64 = 4.0;
 
 /// A recorded strike and what is needed to compare renderings with it.
 #[derive(Clone, Debug)]
 pub struct Heard {
-    strike: Vec<f64>,
-    rate_hz: f64,
-    window: std::ops::Range<usize>,
-    levels: ErbLevels,
-    early_levels: ErbLevels,
+    length: usize,
+    levels: RecordedLevels,
     loudness: Loudness,
     partials: Partials,
 }
@@ -41,7 +40,7 @@ pub struct Heard {
 /// Measures of a rendering against a recorded strike.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Scores {
-    /// Log-spectral distance in dB over 0.25 s from 20 samples before the recording's peak.
+    /// Log-spectral distance in dB from the onset until 0.25 s behind the recording's peak.
     pub lsd_db: f64,
     /// ERB distance in dB over the whole strike.
     pub erb_db: f64,
@@ -61,30 +60,26 @@ impl Heard {
         let end = end.min(recording.len());
         let onset = onset.min(end);
         let strike = recording[onset..end].to_vec();
-        let window = lsd_window(&strike, rate_hz);
-        let longest = (LONGEST_S * rate_hz) as usize;
+        let longest = (LOUDNESS_S * rate_hz) as usize;
         let before = &recording[..onset];
         Self {
-            levels: ErbLevels::new(&strike, rate_hz),
-            early_levels: ErbLevels::new(&strike[window.clone()], rate_hz),
+            levels: RecordedLevels::new(before, &strike, rate_hz),
             loudness: Loudness::new(&strike[..longest.min(strike.len())], before, rate_hz),
             partials: Partials::new(before, &strike, rate_hz),
-            strike,
-            rate_hz,
-            window,
+            length: strike.len(),
         }
     }
 
     /// Measures of a rendering that begins at the strike's onset and is at least as long.
     pub fn scores(&self, rendering: &[f64]) -> Scores {
-        let length = self.strike.len().min(rendering.len());
+        let length = self.length.min(rendering.len());
         let rendering = &rendering[..length];
-        let early = rendering.get(self.window.clone()).unwrap_or(&[]);
+        let Distances { lsd_db, erb_db, early_erb_db } = self.levels.distances(rendering);
         let loudness = self.loudness.error(&rendering[..self.loudness.length().min(length)]);
         Scores {
-            lsd_db: log_spectral_distance_db(&self.strike[self.window.clone()], early),
-            erb_db: self.levels.distance_db(&ErbLevels::new(rendering, self.rate_hz)),
-            early_erb_db: self.early_levels.distance_db(&ErbLevels::new(early, self.rate_hz)),
+            lsd_db,
+            erb_db,
+            early_erb_db,
             loudness_error: loudness.whole,
             early_loudness_error: loudness.early,
             partials: self.partials.matched(rendering),

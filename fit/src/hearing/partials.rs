@@ -20,6 +20,8 @@ const OVER_BACKGROUND_DB: f64 = 8.0;
 const OVER_THRESHOLD_DB: f64 = 3.0;
 /// Largest error of a level that counts as right, in dB.
 const RIGHT_DB: f64 = 3.0;
+/// Distance in bins up to which peaks of two spectra are one partial.
+const SAME_BINS: f64 = 1.5;
 
 /// An audible partial of one spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,13 +34,33 @@ pub struct Partial {
     pub level_db: f64,
 }
 
+/// Peak of a spectrum.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    bin: usize,
+    level_db: f64,
+    /// Place between the bins, by a parabola through three levels.
+    place: f64,
+}
+
 /// Audible partials of a strike.
 #[derive(Clone, Debug)]
 pub struct Partials {
     rate_hz: f64,
     calibration_db: f64,
-    /// First sample of each spectrum, and the bins and levels of its partials.
-    spectra: Vec<(usize, Vec<(usize, f64)>)>,
+    /// Share of the first spectrum's power in its partials.
+    tonal_share: f64,
+    /// First sample of each spectrum, and its partials.
+    spectra: Vec<(usize, Vec<Peak>)>,
+}
+
+impl Peak {
+    fn new(levels: &[f64], bin: usize) -> Self {
+        let [left, middle, right] = [levels[bin - 1], levels[bin], levels[bin + 1]];
+        let bend = left - 2.0 * middle + right;
+        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        Self { bin, level_db: middle, place: bin as f64 + offset }
+    }
 }
 
 impl Partials {
@@ -53,6 +75,7 @@ impl Partials {
         let calibration_db = LOUDEST_DB - 10.0 * loudest.log10();
         let background = background_db(before, rate_hz, calibration_db);
         let mut spectra = Vec::new();
+        let mut tonal_share = None;
         for start in STARTS_S.map(samples) {
             if start + SIZE / 2 > strike.len() {
                 break;
@@ -79,21 +102,50 @@ impl Partials {
                 });
                 masks.fold(-100.0, f64::max)
             };
-            let kept = peaks.iter().filter(|&&bin| levels[bin] > masked(bin)).map(|&bin| (bin, levels[bin]));
-            spectra.push((start, kept.collect()));
+            let kept = peaks.iter().filter(|&&bin| levels[bin] > masked(bin)).map(|&bin| Peak::new(&levels, bin));
+            let kept: Vec<Peak> = kept.collect();
+            tonal_share.get_or_insert_with(|| share_of(&kept, &levels));
+            spectra.push((start, kept));
         }
-        Self { rate_hz, calibration_db, spectra }
+        Self { rate_hz, calibration_db, tonal_share: tonal_share.unwrap_or(0.0), spectra }
     }
 
     /// All partials, spectrum after spectrum.
     pub fn all(&self) -> impl Iterator<Item = Partial> {
         self.spectra.iter().flat_map(|(start, partials)| {
-            partials.iter().map(|&(bin, level_db)| Partial {
+            partials.iter().map(|peak| Partial {
                 at_s: *start as f64 / self.rate_hz,
-                frequency_hz: bin as f64 * self.rate_hz / SIZE as f64,
-                level_db,
+                frequency_hz: peak.bin as f64 * self.bin_hz(),
+                level_db: peak.level_db,
             })
         })
+    }
+
+    /// The loudest partials of all spectra, the loudest first, with their places in [`Self::all`].
+    ///
+    /// Each is taken from the spectrum in which it is loudest. Its frequency lies between the bins.
+    pub fn loudest(&self, count: usize) -> Vec<(usize, Partial)> {
+        let places = self.spectra.iter().flat_map(|(_, partials)| partials.iter().map(|peak| peak.place));
+        let between = |(partial, place): (Partial, f64)| Partial { frequency_hz: place * self.bin_hz(), ..partial };
+        let mut all: Vec<(usize, Partial)> = self.all().zip(places).map(between).enumerate().collect();
+        all.sort_by(|a, b| b.1.level_db.total_cmp(&a.1.level_db));
+        let mut loudest: Vec<(usize, Partial)> = Vec::new();
+        for (index, partial) in all {
+            let is_other = |(_, other): &(usize, Partial)| {
+                (other.frequency_hz - partial.frequency_hz).abs() > SAME_BINS * self.bin_hz()
+            };
+            if loudest.len() < count && loudest.iter().all(is_other) {
+                loudest.push((index, partial));
+            }
+        }
+        loudest
+    }
+
+    /// Share of the first spectrum's power that lies within three bins of its partials, 0 to 1.
+    ///
+    /// A strike whose partials have less than half is noise.
+    pub fn tonal_share(&self) -> f64 {
+        self.tonal_share
     }
 
     /// Distance of two bins in Hz.
@@ -106,7 +158,7 @@ impl Partials {
         let mut errors = Vec::new();
         for (start, partials) in &self.spectra {
             let levels = levels_db(rendering.get(*start..).unwrap_or(&[]), self.calibration_db);
-            for &(bin, wanted) in partials {
+            for &Peak { bin, level_db: wanted, .. } in partials {
                 let near = levels[bin - 1..=bin + 1].iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 errors.push(near - wanted);
             }
@@ -125,6 +177,14 @@ impl Partials {
         }
         right / f64::max(sum, 1e-9)
     }
+}
+
+/// Share of a spectrum's power within three bins of its partials.
+fn share_of(partials: &[Peak], levels: &[f64]) -> f64 {
+    let power = |level: &f64| 10f64.powf(0.1 * level);
+    let is_near = |bin: usize| partials.iter().any(|partial| partial.bin.abs_diff(bin) <= 3);
+    let near: f64 = levels.iter().enumerate().filter(|(bin, _)| is_near(*bin)).map(|(_, level)| power(level)).sum();
+    near / levels.iter().map(power).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// Power of the Hann spectrum of the first 8192 samples.

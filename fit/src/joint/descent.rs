@@ -2,6 +2,7 @@
 
 use fourier::Complex;
 
+use super::cancelling::part_cancelling;
 use super::objective::{BandSlope, Objective};
 use crate::band::Band;
 use crate::modes::{Gains, Pole};
@@ -16,7 +17,11 @@ const FORCE_STEP: f64 = 0.01;
 /// Largest change of a frequency in units of [`unit`], and of ln decay.
 const REACH: [f64; 2] = [1.0, 1.2];
 /// Angular frequency in rad/s that is added to a decay to give the unit of a frequency's change.
-const LEAST_UNIT: f64 = 8.0;
+const LEAST_UNIT: f64 = 1.0;
+/// Lowest frequency of a mode in Hz.
+const LOWEST_HZ: f64 = 20.0;
+/// Relative distance of a mode from one of the loudest partials within which it stays its mode.
+const HELD: f64 = 0.003;
 /// Slowest and fastest decay of a band in dB/s.
 const DECAYS_DB_PER_S: [f64; 2] = [1.0, 4000.0];
 /// Power of a band relative to the strike's at which the descent begins at least: 80 dB down.
@@ -76,6 +81,19 @@ impl Descent {
         }
     }
 
+    /// True for each mode that is the nearest to one of the loudest partials.
+    fn held(&self, poles: &[Pole]) -> Vec<bool> {
+        let mut held = vec![false; poles.len()];
+        for angular in self.objective.partials() {
+            let distance = |k: &usize| (poles[*k].angular - angular).abs();
+            let nearest = (0..poles.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            if let Some(nearest) = nearest.filter(|nearest| distance(nearest) < HELD * angular) {
+                held[nearest] = true;
+            }
+        }
+        held
+    }
+
     /// The nearest sound that is found within a number of steps.
     pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> Sounding {
         let mut now = start.clone();
@@ -87,6 +105,8 @@ impl Descent {
         let mut of_modes = vec![[Moment::default(); 4]; now.poles.len()];
         let mut of_bands = vec![[Moment::default(); 2]; now.bands.len()];
         let mut of_force = Moment::default();
+        let held = self.held(&start.poles);
+        let lowest = std::f64::consts::TAU * LOWEST_HZ / self.rate_hz;
         let unit = |pole: &Pole| pole.decay + LEAST_UNIT / self.rate_hz;
         for (step, age) in (0..steps).zip(1..) {
             let modes = as_modes(&now);
@@ -114,16 +134,17 @@ impl Descent {
                     *moved = ease * MODE_STEPS[index] * of_modes[k][index].step(slopes[index], age);
                 }
                 now.gains.modes[k] += Complex::new(moves[0], moves[1]) * size;
-                let reach = REACH[0] * unit(&from);
+                let reach = if held[k] { HELD * from.angular } else { REACH[0] * unit(&from) };
                 now.poles[k] = Pole {
                     angular: (pole.angular + moves[2] * unit(&from))
                         .clamp(from.angular - reach, from.angular + reach)
-                        .clamp(1e-4, std::f64::consts::PI * 0.999),
+                        .clamp(lowest.min(from.angular), std::f64::consts::PI * 0.999),
                     decay: (pole.decay * moves[3].exp())
                         .clamp(from.decay * (-REACH[1]).exp(), from.decay * REACH[1].exp())
                         .clamp(self.decays[0], self.decays[1]),
                 };
             }
+            part_cancelling(&now.poles, &mut now.gains.modes);
             for ((band, moments), BandSlope { by_power, by_decay }) in
                 now.bands.iter_mut().zip(&mut of_bands).zip(&slope.bands)
             {

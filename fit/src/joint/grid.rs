@@ -5,7 +5,7 @@
 
 use super::cell::DECIBELS;
 use crate::distance::{ErbLevels, Spectrogram};
-use crate::hearing::threshold_db;
+use crate::hearing::{Partial, threshold_db};
 
 /// Power relative to the loudest cell below which nothing counts: 60 dB.
 const FLOOR: f32 = 1e-6;
@@ -86,6 +86,32 @@ impl Grid {
             floor,
             weights: Vec::new(),
         }
+    }
+
+    /// Levels of partials, each in the spectrum of 8192 samples in which it is loudest.
+    ///
+    /// A partial's level is the power of three bins. `None` without partials.
+    pub(super) fn of_partials(
+        sound: &[f64],
+        onset: usize,
+        rate_hz: f64,
+        partials: &[Partial],
+        weight: f32,
+    ) -> Option<Self> {
+        const SIZE: usize = 8_192;
+        let start = |partial: &Partial| (partial.at_s * rate_hz).round() as i64;
+        let mut starts: Vec<i64> = partials.iter().map(start).collect();
+        starts.sort_unstable();
+        starts.dedup();
+        let bin = |partial: &Partial| (partial.frequency_hz * SIZE as f64 / rate_hz).round() as usize;
+        let cells = partials.iter().map(|partial| (bin(partial).max(1) - 1, vec![1.0; 3])).collect();
+        let count = partials.len().max(1) as f32;
+        let of_start = |start_of: i64| partials.iter().filter(|partial| start(partial) == start_of).count() as f32;
+        let frame = |&start: &i64| Frame { start, weight: weight * of_start(start) / count, loudness_weight: 0.0 };
+        let mut grid = Self::new(sound, onset, SIZE, starts.iter().map(frame).collect(), Cells::Bands(cells));
+        let is_in = |at: i64| move |partial: &Partial| if start(partial) == at { 1.0 / of_start(at) } else { 0.0 };
+        grid.weights = starts.iter().flat_map(|&at| partials.iter().map(is_in(at))).collect();
+        (!partials.is_empty()).then_some(grid)
     }
 
     /// Weighs the cells of each frame by the loudness of what is wanted there.

@@ -16,6 +16,7 @@
 //!
 //! Frames begin before the onset, so that the attack is heard.
 
+mod cancelling;
 mod cell;
 mod descent;
 mod grid;
@@ -25,4 +26,8 @@ mod response;
 mod spectra;
 mod split;
 
+/// Number of the loudest partials each of which has a mode, at the right level.
+pub(crate) const LOUDEST: usize = 6;
+
+pub(crate) use cancelling::cancel;
 pub(crate) use descent::{Descent, Sounding};

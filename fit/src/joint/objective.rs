@@ -1,5 +1,6 @@
 //! The distance that the descent lowers, over several grids of frames.
 
+use super::LOUDEST;
 use super::cell::{Cell, Moments};
 use super::grid::{Cells, Frame, Grid, LEAST_SQUARE, LOUDNESS, bands};
 use super::noise::{Fall, NoiseGrid};
@@ -8,6 +9,7 @@ use super::spectra::{Shape, Slopes, Spectra};
 use super::split::Split;
 use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
+use crate::hearing::{LOUDNESS_S, Partial, Partials};
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
@@ -18,13 +20,18 @@ const EARLY_ERB_WEIGHT: f64 = 0.5;
 /// Weight of the loudness error of the whole strike.
 const LOUDNESS_WEIGHT: f64 = 6.0;
 /// Weight of the attack's frames of 128 samples.
-const ATTACK_WEIGHT: f64 = 0.2;
+const ATTACK_WEIGHT: f64 = 0.3;
 /// Weight of the levels of partials, in long frames.
 const PARTIALS_WEIGHT: f64 = 0.3;
 /// Times at which the frames of partials begin behind the onset, in seconds.
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
-/// Number of frames behind the first 0.25 s that are compared, evenly spread.
-const LATER_FRAMES: usize = 44;
+/// Weight of the levels of the loudest partials.
+const LOUDEST_WEIGHT: f64 = 0.3;
+/// Number of frames behind the first 0.25 s that are compared, evenly spread over the time in which
+/// loudness is compared.
+const LATER_FRAMES: usize = 30;
+/// Number of frames behind that time.
+const LAST_FRAMES: usize = 20;
 /// Bins at which the bands of the attack's frames begin.
 const ATTACK_BINS: [f64; 9] = [0.0, 2.5, 4.5, 7.5, 11.5, 16.5, 24.5, 36.5, 64.5];
 /// Number of samples in the attack's frames.
@@ -43,6 +50,8 @@ struct Part {
 pub(super) struct Objective {
     parts: Vec<Part>,
     force: Vec<f64>,
+    /// Frequencies of the loudest partials in rad/sample.
+    partials: Vec<f64>,
 }
 
 /// A band's power at the strike, its decay, and the derivatives by both.
@@ -81,13 +90,13 @@ impl Objective {
         };
         for size in [512usize, 2048] {
             let hop = size / 4;
-            // As the log-spectral distance has them, and before: until the onset is in the last
-            // quarter of a frame.
-            let before = if size == 512 { 3 + window.start.div_ceil(hop) as i64 } else { 0 };
-            let count = (window.len().saturating_sub(size) / hop) as i64;
+            // As the log-spectral distance has them. One more of the short ones comes before: it has
+            // the onset in its last quarter.
+            let first = if size == 512 { -1 } else { 0 };
+            let before = (size / 2) as i64;
+            let count = ((window.end + size / 2).saturating_sub(size) / hop) as i64;
             let weight = LSD_WEIGHT / (count + 1) as f64;
-            let frames = (-before..=count).map(|index| index * hop as i64 + window.start as i64);
-            let frames = frames.filter(|start| start + size as i64 > (hop / 4) as i64);
+            let frames = (first..=count).map(|index| index * hop as i64 - before);
             let frame = |start| Frame { start, weight: weight as f32, loudness_weight: 0.0 };
             add(Grid::new(sound, onset, size, frames.map(frame).collect(), Cells::Bins));
         }
@@ -98,6 +107,11 @@ impl Objective {
         let weight = PARTIALS_WEIGHT as f32 / starts.len().max(1) as f32;
         let frames = starts.into_iter().map(|start| Frame { start, weight, loudness_weight: 0.0 });
         add(Grid::new(sound, onset, 8_192, frames.collect(), Cells::Bins).with_weights());
+        let partials = Partials::new(&sound[..onset], strike, rate_hz);
+        let partials: Vec<Partial> = partials.loudest(LOUDEST).into_iter().map(|(_, partial)| partial).collect();
+        if let Some(grid) = Grid::of_partials(sound, onset, rate_hz, &partials, LOUDEST_WEIGHT as f32) {
+            add(grid);
+        }
         let behind = force.len() as i64 + (ATTACK_S * rate_hz) as i64;
         let starts: Vec<i64> = (-96..behind).step_by(ATTACK_SIZE / 4).collect();
         let weight = (ATTACK_WEIGHT / starts.len() as f64) as f32;
@@ -105,7 +119,13 @@ impl Objective {
         let edges: Vec<f64> = ATTACK_BINS.iter().map(|bin| bin * rate_hz / ATTACK_SIZE as f64).collect();
         let cells = bands(&edges, ATTACK_SIZE, rate_hz);
         add(Grid::new(sound, onset, ATTACK_SIZE, frames.collect(), cells));
-        Self { parts, force: force.to_vec() }
+        let angular = |partial: &Partial| std::f64::consts::TAU * partial.frequency_hz / rate_hz;
+        Self { parts, force: force.to_vec(), partials: partials.iter().map(angular).collect() }
+    }
+
+    /// Frequencies of the loudest partials in rad/sample.
+    pub(super) fn partials(&self) -> &[f64] {
+        &self.partials
     }
 
     /// The distance of modes `(ln z, gain)` with the noise of `bands`, and its derivatives.
@@ -128,23 +148,30 @@ impl Objective {
 }
 
 /// Frames of the ERB distance: all of the first 0.25 s, and some of the later ones.
+///
+/// Loudness counts as long as the loudness error does.
 fn erb_frames(strike: &[f64], rate_hz: f64) -> Vec<Frame> {
     const SIZE: usize = 1024;
     const HOP: usize = SIZE / 4;
     let count = 1 + strike.len().saturating_sub(SIZE) / HOP;
     let first = ((LSD_SECONDS * rate_hz) as usize / HOP).min(count);
-    let step = (count - first).div_ceil(LATER_FRAMES).max(1);
+    let heard = ((LOUDNESS_S * rate_hz) as usize / HOP).clamp(first, count);
     let whole = ERB_WEIGHT / count as f64;
     let early = EARLY_ERB_WEIGHT / first.max(1) as f64;
-    let frame = |index: i64, stands_for: f64, early: f64| Frame {
+    let frame = |index: i64, stands_for: f64, early: f64, loudness: f64| Frame {
         start: index * HOP as i64,
         weight: (whole * stands_for + early) as f32,
-        loudness_weight: (LOUDNESS_WEIGHT * stands_for) as f32,
+        loudness_weight: (loudness * stands_for) as f32,
     };
-    let before = (-3..0).map(|index| frame(index, 1.0, early));
-    let begin = (0..first as i64).map(|index| frame(index, 1.0, early));
-    let later = (first + step / 2..count).step_by(step).map(|index| frame(index as i64, step as f64, 0.0));
-    before.chain(begin).chain(later).collect()
+    let before = (-3..0).map(|index| frame(index, 1.0, early, LOUDNESS_WEIGHT));
+    let begin = (0..first as i64).map(|index| frame(index, 1.0, early, LOUDNESS_WEIGHT));
+    let spread = |from: usize, to: usize, most: usize, loudness: f64| {
+        let step = (to - from).div_ceil(most).max(1);
+        let index = (from + step / 2..to).step_by(step);
+        index.map(move |index| frame(index as i64, step as f64, 0.0, loudness))
+    };
+    let later = spread(first, heard, LATER_FRAMES, LOUDNESS_WEIGHT);
+    before.chain(begin).chain(later).chain(spread(heard, count, LAST_FRAMES, 0.0)).collect()
 }
 
 impl Part {

@@ -3,7 +3,7 @@
 
 use super::noise::render;
 use crate::band::Band;
-use crate::distance::{ErbLevels, log_spectral_distance_db, lsd_window};
+use crate::distance::{ErbLevels, RecordedLevels};
 
 /// Number of noises over which the distance is averaged.
 const DRAWS: u64 = 2;
@@ -16,14 +16,19 @@ const SAME_DB: f64 = 0.003;
 ///
 /// Bands are tried in the order in which the model misses them most. First those are kept that do
 /// not raise the distance, then those that keep it within `most_rise_db` of the model's alone.
-pub fn admit(mut bands: Vec<Band>, recording: &[f64], model: &[f64], rate_hz: f64, most_rise_db: f64) -> Vec<Band> {
-    let window = lsd_window(recording, rate_hz);
-    let heard = recording.get(window.clone()).unwrap_or(&[]);
+pub fn admit(
+    mut bands: Vec<Band>,
+    recorded: &RecordedLevels,
+    model: &[f64],
+    rate_hz: f64,
+    most_rise_db: f64,
+) -> Vec<Band> {
+    let (recording, end) = (recorded.strike(), recorded.early());
     let distance = |sounds: &[Vec<f64>]| {
-        let each = sounds.iter().map(|sound| log_spectral_distance_db(heard, sound.get(window.clone()).unwrap_or(&[])));
+        let each = sounds.iter().map(|sound| recorded.lsd_db(sound));
         each.sum::<f64>() / sounds.len() as f64
     };
-    let mut sounds = vec![model.get(..window.end).unwrap_or(model).to_vec(); DRAWS as usize];
+    let mut sounds = vec![model.get(..end).unwrap_or(model).to_vec(); DRAWS as usize];
     let alone_db = distance(&sounds);
     let missed = missed_db2(recording, model, rate_hz);
     let mut waiting: Vec<usize> = (0..bands.len()).filter(|&band| bands[band].weight > 0.0).collect();
@@ -34,7 +39,7 @@ pub fn admit(mut bands: Vec<Band>, recording: &[f64], model: &[f64], rate_hz: f6
         let mut refused = Vec::new();
         for &index in &waiting {
             let noise: Vec<Vec<f64>> = (0..DRAWS)
-                .map(|draw| render(&bands[index..=index], window.end, rate_hz, 1000 * draw + index as u64))
+                .map(|draw| render(&bands[index..=index], end, rate_hz, 1000 * draw + index as u64))
                 .collect();
             let limit_db = if may_rise { alone_db + most_rise_db } else { now_db + SAME_DB };
             let tried = LEVELS.iter().find_map(|&level| {

@@ -6,11 +6,13 @@
 
 use super::spread;
 use crate::band::{Band, highest_hz};
-use crate::distance::{Spectrogram, band_power, erb_edges_hz};
+use crate::distance::{Spectrogram, band_power, erb_edges_hz, lead};
 use crate::error::FitError;
 
 /// Number of samples in a frame, as in the ERB distance.
 const WINDOW: usize = 1024;
+/// Number of samples before the strike at which the first frame begins.
+const BEFORE: usize = WINDOW / 2;
 /// Lower limit of a prior's bands in Hz, that of the ERB distance.
 const LOWEST_HZ: f64 = 50.0;
 /// Number of bands of a prior (physics-diffusion §4.1).
@@ -48,14 +50,22 @@ pub fn prior_edges_hz(rate_hz: f64) -> Vec<f64> {
 }
 
 /// Fits residual bands to the difference between `recording` and `model`, which begin at the strike
-/// and are equally long.
+/// and are equally long. `before` are the samples that precede the strike.
 ///
 /// Bands in which noise would not help get the weight 0.
 ///
 /// # Errors
 /// [`FitError::Render`] at a rate that the instrument does not play.
-pub fn fit_bands(recording: &[f64], model: &[f64], rate_hz: f64, edges_hz: &[f64]) -> Result<Vec<Band>, FitError> {
-    let levels = Levels::new(recording, model, rate_hz, edges_hz)?;
+pub fn fit_bands(
+    before: &[f64],
+    recording: &[f64],
+    model: &[f64],
+    rate_hz: f64,
+    edges_hz: &[f64],
+) -> Result<Vec<Band>, FitError> {
+    let lead = lead(before, BEFORE);
+    let [recording, model] = [recording, model].map(|sound| [&lead, sound].concat());
+    let levels = Levels::new(&recording, &model, rate_hz, edges_hz)?;
     let mut weights = levels.counts.clone();
     let mut bands = vec![Noise::NONE; edges_hz.len().saturating_sub(1)];
     for _ in 0..PASSES {
@@ -91,7 +101,7 @@ impl Noise {
 
 /// Powers of all bands in the frames that are compared.
 struct Levels {
-    /// Start of each frame in seconds.
+    /// Start of each frame in seconds from the strike, below 0 for frames that begin before it.
     frames: Vec<f64>,
     /// Weight of each frame: the number of frames for which it stands.
     counts: Vec<f64>,
@@ -110,6 +120,7 @@ struct Levels {
 }
 
 impl Levels {
+    /// Levels of sounds that begin `BEFORE` samples before the strike.
     fn new(recording: &[f64], model: &[f64], rate_hz: f64, edges_hz: &[f64]) -> Result<Self, FitError> {
         let spectrogram = Spectrogram::new(WINDOW);
         let count = spectrogram.frame_count(recording.len()).min(spectrogram.frame_count(model.len()));
@@ -149,7 +160,10 @@ impl Levels {
             floor,
             rate_hz,
             counts: frames.iter().map(stands_for).collect(),
-            frames: frames.iter().map(|&frame| (frame * spectrogram.hop()) as f64 / rate_hz).collect(),
+            frames: frames
+                .iter()
+                .map(|&frame| ((frame * spectrogram.hop()) as f64 - BEFORE as f64) / rate_hz)
+                .collect(),
         })
     }
 
@@ -177,9 +191,15 @@ impl Levels {
     fn shape(&self, decay_db_per_s: f64) -> Vec<f64> {
         let fade = |seconds: f64| 10f64.powf(-decay_db_per_s * seconds / 10.0);
         let window = |n: usize| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4);
-        let within: f64 = (0..WINDOW).map(|n| window(n) * fade(n as f64 / self.rate_hz)).sum();
-        let within = within / (0..WINDOW).map(window).sum::<f64>();
-        self.frames.iter().map(|&seconds| within * fade(seconds)).collect()
+        let whole = (0..WINDOW).map(window).sum::<f64>();
+        let within =
+            |from: usize| (from..WINDOW).map(|n| window(n) * fade(n as f64 / self.rate_hz)).sum::<f64>() / whole;
+        let from_start = within(0);
+        let shape = |&start_s: &f64| {
+            let before = (-start_s * self.rate_hz).round().max(0.0) as usize;
+            fade(start_s) * if before > 0 { within(before.min(WINDOW)) } else { from_start }
+        };
+        self.frames.iter().map(shape).collect()
     }
 
     /// Expected squared error in dB of a frame with noise of power `noise`.
@@ -302,8 +322,8 @@ mod tests {
             let mut sound = crate::render::by_instrument(&table, 0.0, rate_hz, 44_100).expect("a right table");
             let mut random = SplitMix64(100 + u64::from(seed));
             sound.iter_mut().for_each(|x| *x += 1e-6 * random.normal());
-            let found =
-                fit_bands(&sound, &vec![0.0; sound.len()], rate_hz, &usual_edges_hz(rate_hz)).expect("a usual rate");
+            let found = fit_bands(&[], &sound, &vec![0.0; sound.len()], rate_hz, &usual_edges_hz(rate_hz))
+                .expect("a usual rate");
             for ((truth, found), mean) in truth.iter().zip(&found).zip(&mut mean) {
                 let level_db = 20.0 * (found.weight.max(1e-6) / truth.weight).log10();
                 mean.0 += level_db / f64::from(DRAWS);
@@ -331,7 +351,7 @@ mod tests {
     fn a_model_equal_to_the_recording_leaves_no_noise() {
         let mut random = SplitMix64(5);
         let sound: Vec<f64> = (0..20_000).map(|n| random.normal() * (-1e-4 * f64::from(n)).exp()).collect();
-        let bands = fit_bands(&sound, &sound, 48_000.0, &usual_edges_hz(48_000.0)).expect("a usual rate");
+        let bands = fit_bands(&[], &sound, &sound, 48_000.0, &usual_edges_hz(48_000.0)).expect("a usual rate");
         assert!(bands.len() >= 40 && bands.iter().all(|band| band.weight < 1e-3), "{bands:?}");
     }
 }

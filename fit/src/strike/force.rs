@@ -4,7 +4,7 @@ use super::fit::{Fit, Settings, Strike};
 use super::measured::{force_width_s, measured_hits};
 use super::shared::share_poles;
 use crate::contact::PULSE_FWHM;
-use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::distance::RecordedLevels;
 use crate::error::FitError;
 use crate::segment::Hit;
 
@@ -33,7 +33,6 @@ pub fn fit_force(
     let (modes, acceleration) = shared.as_modes(&row, rate_hz);
     let strikes = measured.iter().zip(&shared.places).zip(&shared.residual_db).map(|((hit, place), &residual_db)| {
         let model = shared.sound(place, hit);
-        let window = lsd_window(&hit.sound, rate_hz);
         let onset = (hit.at_s * rate_hz).round() as usize;
         Strike {
             hit: Hit { onset, end: onset + hit.sound.len() },
@@ -41,7 +40,7 @@ pub fn fit_force(
             peak_force: force.get(onset).copied().unwrap_or(1.0),
             position: shared.prediction_along_db(&row, hit).1,
             acceleration,
-            lsd_db: log_spectral_distance_db(&hit.sound[window.clone()], &model[window]),
+            lsd_db: RecordedLevels::new(&[], &hit.sound, rate_hz).lsd_db(&model),
             residual_db,
         }
     });

@@ -4,6 +4,7 @@ mod audible;
 mod fit;
 mod force;
 mod high_pass;
+mod loudest;
 mod measured;
 mod near;
 mod shared;

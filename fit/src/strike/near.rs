@@ -8,10 +8,11 @@
 use nalgebra::Complex;
 
 use super::audible::{Chosen, are_one};
+use super::loudest::with_partials;
 use crate::band::{Band, usual_edges_hz};
 use crate::distance::{Spectrogram, band_power};
 use crate::hearing::Loudness;
-use crate::joint::{Descent, Sounding};
+use crate::joint::{Descent, Sounding, cancel};
 use crate::modes::{
     Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
     filled, refine,
@@ -21,9 +22,6 @@ use crate::modes::{
 const LITTLE: f64 = 0.03;
 /// Gain of a mode relative to the strongest below which a table does not hold it: 93 dB.
 const SOFTEST: f64 = 2.2e-5;
-/// Sum of the gains of two modes within their widths, relative to the sum of the magnitudes, below
-/// which the two cancel: 6 dB.
-const CANCELLING: f64 = 0.5;
 /// Maximum number of times that modes are dropped because they cancel.
 const ROUNDS: usize = 4;
 /// Number of parts of a residual that are compared to tell noise from sound.
@@ -160,7 +158,7 @@ impl Heard<'_> {
         }
         // A refinement may leave drifts and clicks behind, which are no modes.
         modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
-        modes
+        with_partials(modes, &self.samples[..self.onset], strike, self.rate_hz, most)
     }
 
     fn part<'a>(&self, ringing: &'a [f64]) -> &'a [f64] {
@@ -253,12 +251,7 @@ fn without_cancelling(model: &Model) -> Vec<Pole> {
     let mut kept: Vec<usize> = Vec::new();
     for index in order {
         let (pole, gain) = (model.poles[index], gains[index]);
-        let cancels = |&&other: &&usize| {
-            let (near, its) = (model.poles[other], gains[other]);
-            (near.angular - pole.angular).abs() < near.decay + pole.decay
-                && (its + gain).norm() < CANCELLING * (its.norm() + gain.norm())
-        };
-        if !kept.iter().any(|other| cancels(&other)) {
+        if !kept.iter().any(|&other| cancel((&model.poles[other], gains[other]), (&pole, gain))) {
             kept.push(index);
         }
     }

@@ -6,7 +6,7 @@ use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, tab
 use super::near::{Heard, Near};
 use crate::bins;
 use crate::contact::{contact_time_s, force};
-use crate::distance::{log_spectral_distance_db, lsd_window};
+use crate::distance::{RecordedLevels, lsd_window};
 use crate::error::FitError;
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};
 use crate::segment::Hit;
@@ -39,7 +39,7 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
         else {
             return Err(FitError::NoModes { at_s });
         };
-        return of_bins(sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
+        return of_bins(samples, sound, rate_hz, hit, *contact_s, settings).ok_or(FitError::NoModes { at_s });
     }
     if let (true, Some(hit), Some(force)) = (settings.polish, hits.get(loudest), forces.get(loudest)) {
         let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
@@ -51,7 +51,7 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
                 Near::Approached(sounding) => (sounding.poles, sounding.gains, sounding.bands),
             };
             let model = with_loudest(poles, gains, &groups(&heard, &forces), loudest);
-            let fit = described(&model, &groups(&heard, &forces), hits, &contacts_s, loudest, rate_hz);
+            let fit = described(samples, &model, &groups(&heard, &forces), hits, &contacts_s, loudest, rate_hz);
             return Ok(Fit { noise, is_exact, ..fit });
         }
     }
@@ -67,7 +67,7 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
     if settings.polish {
         polished(&mut model, &groups, loudest, rate_hz);
     }
-    Ok(described(&model, &groups, hits, &contacts_s, loudest, rate_hz))
+    Ok(described(samples, &model, &groups, hits, &contacts_s, loudest, rate_hz))
 }
 
 fn groups<'a>(heard: &[&'a [f64]], forces: &'a [Vec<f64>]) -> Vec<Group<'a>> {
@@ -101,7 +101,14 @@ fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
 /// Each gain is divided by the contact's spectrum, which has no zeros, so that the mode rings as it
 /// was measured. Phases are 0 or π by turns: with 0 alone, as in physics-diffusion §3.1, a thousand
 /// modes begin in a click far above their ring.
-fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings: Settings) -> Option<Fit> {
+fn of_bins(
+    samples: &[f64],
+    sound: &[f64],
+    rate_hz: f64,
+    hit: &Hit,
+    contact_time_s: f64,
+    settings: Settings,
+) -> Option<Fit> {
     let sines = bins::strongest(bins::estimate(sound, rate_hz), settings.modes.most_modes);
     if sines.is_empty() {
         return None;
@@ -117,7 +124,7 @@ fn of_bins(sound: &[f64], rate_hz: f64, hit: &Hit, contact_time_s: f64, settings
     let worth = vec![0.0; poles.len()];
     let model = Model { poles, gains: vec![gains], worth };
     let groups = [Group { stretches: vec![Stretch { samples: sound, force: Some(force) }] }];
-    Some(described(&model, &groups, &[*hit], &[contact_time_s], 0, rate_hz))
+    Some(described(samples, &model, &groups, &[*hit], &[contact_time_s], 0, rate_hz))
 }
 
 /// Signs of the Rudin-Shapiro sequence.
@@ -142,6 +149,7 @@ fn polished(model: &mut Model, groups: &[Group<'_>], loudest: usize, rate_hz: f6
 }
 
 fn described(
+    samples: &[f64],
     model: &Model,
     groups: &[Group<'_>],
     hits: &[Hit],
@@ -154,7 +162,7 @@ fn described(
             let stretch = group.stretches[0];
             let left = model.residual(index, &stretch);
             let rendering: Vec<f64> = stretch.samples.iter().zip(&left).map(|(x, left)| x - left).collect();
-            let window = lsd_window(stretch.samples, rate_hz);
+            let recorded = RecordedLevels::new(&samples[..hit.onset.min(samples.len())], stretch.samples, rate_hz);
             let energy_left: f64 = left.iter().map(|x| x * x).sum();
             Strike {
                 hit: *hit,
@@ -162,7 +170,7 @@ fn described(
                 peak_force: 1.0,
                 position: 0.0,
                 acceleration: table_acceleration(&model.gains[index]),
-                lsd_db: log_spectral_distance_db(&stretch.samples[window.clone()], &rendering[window]),
+                lsd_db: recorded.lsd_db(&rendering),
                 residual_db: 10.0 * (energy_left / stretch.energy()).log10(),
             }
         });

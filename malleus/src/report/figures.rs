@@ -186,7 +186,7 @@ pub(super) fn error_over_time(view: &View<'_>) -> String {
     let time = Axis::linear(0.0, view.shown_s(), "time from the strike, s");
     let mut chart = Chart::new("Error over time", time, Axis::linear(0.0, most, "log-spectral distance, dB"));
     chart.explain("fit", "modes alone");
-    let (_, end_s) = view.lsd_stretch_s();
+    let end_s = view.lsd_end_s();
     chart.upright("mark", end_s, "end of the LSD's stretch");
     if view.has_residual() {
         chart.explain("noise", "with residual");

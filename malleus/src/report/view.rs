@@ -1,6 +1,6 @@
 //! The part of a fit that a page shows: the loudest strike, its sounds at one level, its spectra.
 
-use fit::distance::{frame_distances_db, lsd_window};
+use fit::distance::{frame_distances_db, lead, lsd_window};
 use fit::recording::Fitted;
 
 /// Longest sound in a page, in seconds.
@@ -22,6 +22,8 @@ pub(super) struct View<'a> {
     pub(super) fitted: &'a Fitted,
     /// Sample rate of all sounds in Hz.
     pub(super) rate_hz: f64,
+    /// Samples of the recording before the onset.
+    before: &'a [f64],
     /// Samples of the recording.
     pub(super) heard: &'a [f64],
     /// Samples of the instrument's rendering of the modes, as many as of the recording.
@@ -37,6 +39,7 @@ impl<'a> View<'a> {
     pub(super) fn of(fitted: &'a Fitted) -> Self {
         let rate_hz = fitted.report.rate_hz;
         let hit = fitted.fit.strikes.get(fitted.fit.loudest).map_or(0..0, |strike| strike.hit.onset..strike.hit.end);
+        let before = fitted.recording.samples.get(..hit.start).unwrap_or(&[]);
         let heard = fitted.recording.samples.get(hit).unwrap_or(&[]);
         let length =
             heard.len().min(fitted.rendering.len()).min(fitted.whole.len()).min((LONGEST_S * rate_hz) as usize);
@@ -49,6 +52,7 @@ impl<'a> View<'a> {
         Self {
             fitted,
             rate_hz,
+            before,
             heard,
             modes: &fitted.rendering[..length],
             with_residual: &fitted.whole[..length],
@@ -77,11 +81,13 @@ impl<'a> View<'a> {
 
     /// Log-spectral distance of a rendering from the recording over time, as (seconds, dB).
     ///
-    /// There is one value per frame of 2048 samples; a frame begins every 512 samples.
+    /// There is one value per frame of 2048 samples; a frame begins every 512 samples, the first
+    /// half a frame before the onset.
     pub(super) fn distance_over_time(&self, rendering: &[f64]) -> Vec<(f64, f64)> {
-        let (heard, given) = (&self.heard[..self.shown], &rendering[..self.shown]);
-        let middle = |frame: usize| (frame * WINDOW / 4 + WINDOW / 2) as f64 / self.rate_hz;
-        frame_distances_db(heard, given, WINDOW)
+        let lead = lead(self.before, WINDOW / 2);
+        let [heard, given] = [self.heard, rendering].map(|sound| [&lead, &sound[..self.shown]].concat());
+        let middle = |frame: usize| (frame * WINDOW / 4) as f64 / self.rate_hz;
+        frame_distances_db(&heard, &given, WINDOW)
             .into_iter()
             .enumerate()
             .map(|(frame, db)| (middle(frame), db))
@@ -99,10 +105,10 @@ impl<'a> View<'a> {
         map
     }
 
-    /// Stretch over which the page's log-spectral distance is taken, in seconds from the onset.
-    pub(super) fn lsd_stretch_s(&self) -> (f64, f64) {
-        let window = lsd_window(self.heard, self.rate_hz);
-        (window.start as f64 / self.rate_hz, window.end as f64 / self.rate_hz)
+    /// End of the stretch over which the page's log-spectral distance is taken, in seconds from the
+    /// onset.
+    pub(super) fn lsd_end_s(&self) -> f64 {
+        lsd_window(self.heard, self.rate_hz).end as f64 / self.rate_hz
     }
 
     /// Magnitudes of the spectrum of the shown part of a sound, and the distance of its bins in Hz.

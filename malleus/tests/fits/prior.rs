@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use fit::distance::{log_spectral_distance_db, lsd_window};
+use fit::distance::RecordedLevels;
 
 fn malleus(folder: &Path, words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_malleus")).args(words).current_dir(folder).output().unwrap()
@@ -72,10 +72,8 @@ fn a_prior_has_1025_modes_and_100_bands_and_sounds_like_the_recording() {
     let object = &kit::load(&at("cymbal.toml")).unwrap().kit.objects[0];
     let residual = object.residual.as_ref().expect("the modes leave noise");
     assert_eq!((object.modes.len(), residual.weight.len(), residual.edges_hz.len()), (1025, 100, 101));
-    let heard = &recorded[SILENCE..];
-    let window = lsd_window(heard, 44_100.0);
-    let distance_db =
-        |sound: &[f64]| log_spectral_distance_db(&heard[window.clone()], &sound[SILENCE..][window.clone()]);
+    let levels = RecordedLevels::new(&recorded[..SILENCE], &recorded[SILENCE..], 44_100.0);
+    let distance_db = |sound: &[f64]| levels.lsd_db(&sound[SILENCE..]);
     let (prior_db, again_db) = (distance_db(&samples(&at("again.wav"))), distance_db(&strike(2)));
     println!("LSD of the prior {prior_db:.2} dB, of another strike {again_db:.2} dB");
     assert!(prior_db < again_db + 1.0, "{prior_db:.2} dB, of another strike {again_db:.2} dB");

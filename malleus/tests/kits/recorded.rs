@@ -17,7 +17,7 @@ use dsp_core::event::{Event, Time};
 use dsp_core::fixed::ONE_Q27;
 use dsp_core::table::Kit;
 use fit::audio::Recording;
-use fit::distance::{log_spectral_distance_db, lsd_window};
+use fit::distance::RecordedLevels;
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::{Performance, board, instrument, reference};
 use virtual_board::Board;
@@ -117,10 +117,9 @@ fn modes_of_each_pad_have_90_db_of_snr_to_the_reference() {
 /// table.
 pub(crate) fn distance_db(recording: &Recording, table: &kit::Kit) -> f64 {
     let (found, _) = fit::segment::hits(recording).expect("it holds a strike");
-    let heard = &recording.samples[found[0].onset..found[0].end];
+    let (before, heard) = recording.samples[..found[0].end].split_at(found[0].onset);
     let sound = fit::render::by_instrument(table, 0.0, recording.rate_hz, heard.len()).expect("it plays");
-    let window = lsd_window(heard, recording.rate_hz);
-    log_spectral_distance_db(&heard[window.clone()], &sound[window])
+    RecordedLevels::new(before, heard, recording.rate_hz).lsd_db(&sound)
 }
 
 /// Does work on a large stack, on which the engine that renders a single table is built.

@@ -1,11 +1,14 @@
 //! Measures fits of recordings as an ear hears them, as a Markdown table, with medians.
 //!
 //! Compares dsp-core's rendering of each fitted table, residual included, with the recording
-//! (docs/fit.md defines the measures).
+//! (docs/fit.md defines the measures). A second table counts what is wrong with the tables
+//! themselves (`table.rs` defines the columns).
 //!
 //! `cargo bench -p fit --bench hearing [-- MODES ...] [NAME ...] [FOLDER]`: 64 modes by default;
 //! recordings whose names contain one of the NAMEs; the FOLDER of ../shared/data, `recordings` by
 //! default. Renderings go to the folder that the variable `RENDERINGS` names.
+
+mod table;
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +17,7 @@ use fit::hearing::{Heard, Scores};
 use fit::recording::{Options, fit_file};
 use fit::score::quantile;
 use rayon::prelude::*;
+use table::Checks;
 
 /// Length of the attack whose level is compared, in seconds.
 const ATTACK_S: f64 = 0.003;
@@ -27,6 +31,7 @@ struct Row {
     /// Rms of the rendering's first 3 ms over that of the recording, in dB.
     attack_db: f64,
     seconds: f64,
+    checks: Checks,
 }
 
 fn main() {
@@ -61,7 +66,7 @@ fn main() {
         for row in rows {
             match row {
                 Ok(row) => {
-                    println!("{}", line(&row));
+                    println!("{}", line(&row.name, row.modes, row.scores, [row.peak_db, row.attack_db, row.seconds]));
                     good.push(row);
                 }
                 Err(error) => println!("{error}"),
@@ -70,10 +75,10 @@ fn main() {
         let median = |value: &dyn Fn(&Row) -> f64| quantile(&good.iter().map(value).collect::<Vec<_>>(), 0.5);
         println!(
             "{}",
-            line(&Row {
-                name: "median".to_owned(),
-                modes: median(&|row| row.modes as f64) as usize,
-                scores: Scores {
+            line(
+                "median",
+                median(&|row| row.modes as f64) as usize,
+                Scores {
                     lsd_db: median(&|row| row.scores.lsd_db),
                     erb_db: median(&|row| row.scores.erb_db),
                     early_erb_db: median(&|row| row.scores.early_erb_db),
@@ -81,10 +86,8 @@ fn main() {
                     early_loudness_error: median(&|row| row.scores.early_loudness_error),
                     partials: median(&|row| row.scores.partials),
                 },
-                peak_db: median(&|row| row.peak_db),
-                attack_db: median(&|row| row.attack_db),
-                seconds: median(&|row| row.seconds),
-            })
+                [median(&|row| row.peak_db), median(&|row| row.attack_db), median(&|row| row.seconds)],
+            )
         );
         let share = |is: &dyn Fn(&Row) -> bool| good.iter().filter(|row| is(row)).count();
         println!(
@@ -94,24 +97,28 @@ fn main() {
             share(&|row| row.attack_db.abs() <= 3.0),
             good.iter().map(|row| row.seconds).fold(0.0, f64::max)
         );
+        println!("| table | {}\n|{}", Checks::HEAD, " --- |".repeat(1 + Checks::HEAD.matches('|').count()));
+        for row in &good {
+            println!("| {} | {}", row.name, row.checks.line());
+        }
+        println!();
     }
 }
 
-fn line(row: &Row) -> String {
-    let scores = row.scores;
+fn line(name: &str, modes: usize, scores: Scores, [peak_db, attack_db, seconds]: [f64; 3]) -> String {
     format!(
         "| {} | {} | {:.2} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {:+.1} | {:+.1} | {:.1} |",
-        row.name,
-        row.modes,
+        name,
+        modes,
         scores.lsd_db,
         scores.erb_db,
         scores.early_erb_db,
         scores.loudness_error,
         scores.early_loudness_error,
         scores.partials,
-        row.peak_db,
-        row.attack_db,
-        row.seconds
+        peak_db,
+        attack_db,
+        seconds
     )
 }
 
@@ -140,6 +147,7 @@ fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
         peak_db: 20.0 * (peak(&fitted.whole) / peak(recording)).log10(),
         attack_db: 10.0 * (attack(&fitted.whole) / attack(recording)).log10(),
         seconds: fitted.report.seconds,
+        checks: Checks::of(&fitted, &heard),
         name,
     })
 }

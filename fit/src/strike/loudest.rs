@@ -1,0 +1,108 @@
+//! A mode for each of the loudest partials of a strike.
+
+use std::f64::consts::TAU;
+
+use crate::hearing::{Partial, Partials};
+use crate::joint::LOUDEST;
+use crate::modes::DampedSine;
+
+/// Relative distance within which a mode is a partial's.
+const NEAR: f64 = 0.002;
+/// Number of samples under the window that measures a decay.
+const SIZE: usize = 8_192;
+/// Largest time between two measurements of a partial, in seconds.
+const APART_S: f64 = 0.2;
+/// Slowest and fastest decay in 1/s of a mode that is added.
+const DECAYS_PER_S: [f64; 2] = [0.3, 60.0];
+
+/// Modes with one for each of the loudest partials.
+///
+/// A mode whose width reaches the partial is moved to it. Without one, a mode is added; if there
+/// are already `most`, it takes the place of the last that is no partial's. The modes most worth
+/// their place come first.
+pub(super) fn with_partials(
+    mut modes: Vec<DampedSine>,
+    before: &[f64],
+    strike: &[f64],
+    rate_hz: f64,
+    most: usize,
+) -> Vec<DampedSine> {
+    let partials = Partials::new(before, strike, rate_hz);
+    let bin_hz = partials.bin_hz();
+    let mut is_partial = vec![false; modes.len()];
+    for (_, partial) in partials.loudest(LOUDEST) {
+        let distance = |mode: &DampedSine| (mode.frequency_hz - partial.frequency_hz).abs();
+        let free = (0..modes.len()).filter(|&k| !is_partial[k]);
+        let nearest = free.min_by(|&a, &b| distance(&modes[a]).total_cmp(&distance(&modes[b])));
+        let reaches = |k: &usize| {
+            let mode = &modes[*k];
+            distance(mode) < (mode.decay_per_s / TAU).min(2.0 * bin_hz).max(NEAR * partial.frequency_hz)
+        };
+        let place = match nearest.filter(reaches) {
+            Some(place) => place,
+            None if modes.len() < most => {
+                modes.push(of_partial(&partial, strike, rate_hz));
+                is_partial.push(true);
+                continue;
+            }
+            None => {
+                let Some(place) = (0..modes.len()).rev().find(|&k| !is_partial[k]) else { break };
+                modes[place] = of_partial(&partial, strike, rate_hz);
+                place
+            }
+        };
+        is_partial[place] = true;
+        if distance(&modes[place]) > NEAR * partial.frequency_hz {
+            modes[place].frequency_hz = partial.frequency_hz;
+        }
+    }
+    modes
+}
+
+/// A damped sine of a partial's frequency, with the decay between two spectra.
+fn of_partial(partial: &Partial, strike: &[f64], rate_hz: f64) -> DampedSine {
+    let start = (partial.at_s * rate_hz) as usize;
+    let apart = ((APART_S * rate_hz) as usize).min(strike.len().saturating_sub(start + SIZE / 2)).max(1);
+    let angular = TAU * partial.frequency_hz / rate_hz;
+    let size = |from: usize| {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (n, x) in strike.iter().skip(from).take(SIZE).enumerate() {
+            let (sine, cosine) = (angular * n as f64).sin_cos();
+            let weighed = x * (0.5 - 0.5 * (TAU * n as f64 / SIZE as f64).cos());
+            re += weighed * cosine;
+            im += weighed * sine;
+        }
+        re.hypot(im).max(f64::MIN_POSITIVE) * 4.0 / SIZE as f64
+    };
+    let (first, second) = (size(start), size(start + apart));
+    let decay_per_s = ((first / second).ln() * rate_hz / apart as f64).clamp(DECAYS_PER_S[0], DECAYS_PER_S[1]);
+    DampedSine { frequency_hz: partial.frequency_hz, decay_per_s, amplitude: first, phase: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_the_loudest_partials_gets_a_mode() {
+        let sine = |frequency_hz: f64, decay_per_s: f64, amplitude: f64| DampedSine {
+            frequency_hz,
+            decay_per_s,
+            amplitude,
+            phase: 0.3,
+        };
+        let partials = [sine(323.0, 4.0, 0.1), sine(900.0, 6.0, 0.08), sine(2_500.0, 9.0, 0.05)];
+        let mut strike = vec![0.0; 44_100];
+        partials.iter().for_each(|partial| partial.add_to(&mut strike, 44_100.0));
+        // One mode is a partial's, one lies beside it within its width, none is at the third.
+        let modes = vec![sine(900.2, 6.0, 0.08), sine(327.0, 60.0, 0.1), sine(7_000.0, 9.0, 0.01)];
+        let modes = with_partials(modes, &[], &strike, 44_100.0, 3);
+        assert_eq!(modes.len(), 3);
+        for partial in partials {
+            let is_its = |mode: &DampedSine| (mode.frequency_hz / partial.frequency_hz - 1.0).abs() < 0.003;
+            assert!(modes.iter().any(is_its), "{partial:?}: {modes:?}");
+        }
+        let added = modes.iter().find(|mode| mode.frequency_hz > 2_000.0).expect("it is there");
+        assert!((added.decay_per_s / 9.0 - 1.0).abs() < 0.1, "{added:?}");
+    }
+}
