@@ -1,16 +1,21 @@
 //! What is wrong with a written table, apart from how near it sounds.
 //!
-//! | count | definition |
+//! | column | definition |
 //! | --- | --- |
 //! | low | modes below 20 Hz |
 //! | fast | modes whose decay exceeds that of the search |
 //! | gains | modes whose gain (sine and cosine together) lies outside 0.001 to 100 |
-//! | cancelling | pairs of modes whose distance is below the sum of their half widths (d1 + d2)/2π and whose gains' sum is below half the sum of the gains' magnitudes (6 dB) |
-//! | partials | how many of the five loudest audible partials have a mode within 0.5 % and a level within 3 dB |
-//! | tonal | share of the first spectrum's power in the audible partials, three bins on either side; below a half the strike is noise |
-//! | wrong partials | the others of the five, with the nearest mode and the error of the level |
-//! | too loud | largest level in dB of a mode at velocity 0.5 and 0.25 over the force's own law |
-//! | dip | deepest level in dB of the contact's spectrum at a mode below its level at any higher frequency |
+//! | cancelling | pairs of modes within their widths that cancel by more than 6 dB |
+//! | partials | how many of the five loudest audible partials are right |
+//! | tonal | share of the first spectrum's power within three bins of its audible partials |
+//! | too loud | largest level of a mode at velocity 0.5 and 0.25 over the force's own law, in dB |
+//! | dip | largest rise of the contact's spectrum above a mode's frequency, in dB |
+//! | wrong partials | partials that are not right, with the nearest mode and the level's error |
+//!
+//! Two modes lie within their widths if they are nearer than `(d1 + d2)/2π`. They cancel by more
+//! than 6 dB if the sum of the gains is below half the sum of their magnitudes. A partial is right
+//! if a mode lies within 0.5 % or half a bin, and the rendering's level is within 3 dB. A strike
+//! whose partials have less than half of the power is noise.
 //!
 //! The force's own law is `v^(a+b)`, the impulse, at low frequencies; where the contact is long
 //! against a period it is `v^(a-b)`. The limit is the louder of the two, `v^(a+b)` for b < 0.

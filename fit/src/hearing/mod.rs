@@ -3,7 +3,7 @@
 //! | measure | what it compares |
 //! | --- | --- |
 //! | log-spectral distance | single bins in dB, until 0.25 s behind the peak |
-//! | ERB distance | levels in 40 bands in dB, over the whole strike, and until 0.25 s behind the peak |
+//! | ERB distance | levels in 40 bands in dB, over the whole strike, and over that beginning |
 //! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
 //! | partials | share of the audible partials whose level is right within 3 dB |
 //!

@@ -90,8 +90,8 @@ impl Objective {
         };
         for size in [512usize, 2048] {
             let hop = size / 4;
-            // As the log-spectral distance has them. One more of the short ones comes before: it has
-            // the onset in its last quarter.
+            // As the log-spectral distance has them. One more short frame comes before: it has the
+            // onset in its last quarter.
             let first = if size == 512 { -1 } else { 0 };
             let before = (size / 2) as i64;
             let count = ((window.end + size / 2).saturating_sub(size) / hop) as i64;
