@@ -19,8 +19,8 @@ thread_local! {
     static INVERSE: RefCell<BTreeMap<usize, Arc<dyn ComplexToReal<f64>>>> = const { RefCell::new(BTreeMap::new()) };
 }
 
-// Each plan comes from a planner of its own. A planner builds new plans from those that it has made
-// before, so that their last bits would depend on what the thread has done until then.
+// A new planner makes each plan. A planner that is kept builds a plan out of its earlier ones, and
+// the last bits of a spectrum would depend on the lengths that the thread had planned before.
 
 /// Plans the transform of `length` samples to `length/2 + 1` bins,
 /// `X[k] = Σ x[n] exp(−2πi·kn/length)`.

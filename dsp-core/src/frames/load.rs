@@ -31,8 +31,7 @@ impl FrameBankSize {
     ///
     /// The dearest tick depends on the contact: each of its frames is multiplied by a block of the
     /// head (`cargo test -p host-tests --test on_chip frames::long_contacts -- --nocapture`).
-    /// Strikes below velocity 1 may last longer; a board's
-    /// [percentage](crate::engine::Setup::frame_worst_percent) covers 1.7 times the contact.
+    /// Strikes below velocity 1 may last longer, which is not counted.
     pub fn cycles(&self, is_direct: bool) -> u32 {
         let modes = self.modes as f32;
         let direct = DIRECT_FRAME + DIRECT_MODE * modes;

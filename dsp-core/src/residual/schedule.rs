@@ -16,8 +16,8 @@ const RENEWAL_CYCLES: u32 = 400;
 /// Chosen such that the dearest ticks are cheapest.
 const STREAM_CYCLES: u32 = 1_300;
 
-/// Most work of a tick that follows dear ones, in percent of an even share: as much as a pad of 250
-/// modes in frames saves there.
+/// Largest share of a tick after dear ones, in percent of an even share. With it such a tick and a
+/// dear one take about as long, for a pad of 250 modes in frames and a hundred bands.
 const MOST_PERCENT: u32 = 250;
 
 impl Shaper<'_> {
@@ -54,7 +54,7 @@ impl Shaper<'_> {
         let (even, planned) = (left / ticks, Job::cycles(self.bands.count(), true) / (FRAME_TICKS - 1));
         let most = planned * MOST_PERCENT / 100;
         let share = match dear_ticks.min(ticks) {
-            // What has waited is made up for at once, lest dear ticks come before it is done.
+            // The work that has waited is done soon, because a next strike makes ticks dear again.
             0 if self.has_waited => left.saturating_sub((ticks - 1) * planned).min(most).max(even),
             0 => even,
             dear => even.min(left.saturating_sub((ticks - dear) * most) / dear),

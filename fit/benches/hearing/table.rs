@@ -1,4 +1,4 @@
-//! What is wrong with a written table, apart from how near it sounds.
+//! Faults of a written table: modes out of range, modes that cancel, partials without a mode.
 //!
 //! | column | definition |
 //! | --- | --- |

@@ -27,8 +27,8 @@ const PARTIALS_WEIGHT: f64 = 0.3;
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
 /// Weight of the levels of the loudest partials.
 const LOUDEST_WEIGHT: f64 = 0.3;
-/// Number of frames behind the first 0.25 s that are compared, evenly spread over the time in which
-/// loudness is compared.
+/// Number of frames that are compared after the first 0.25 s. They are evenly spread up to the time
+/// at which the comparison of loudness ends.
 const LATER_FRAMES: usize = 30;
 /// Number of frames behind that time.
 const LAST_FRAMES: usize = 20;

@@ -39,9 +39,6 @@ fn prior(modes: u32, bands: u32) -> kit::Kit {
         decay_db_per_s: vec![30.0; bands as usize],
     });
     kit.pads[0].choke_t60_s = 0.0;
-    if let Ok(c) = std::env::var("CONTACT") {
-        kit.strikers[0].contact_time_s = c.parse().unwrap();
-    }
     kit
 }
 
