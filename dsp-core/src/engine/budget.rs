@@ -171,6 +171,10 @@ impl<S: Sample> Engine<'_, '_, S> {
     fn listen(&mut self, direct: Option<Direct<'_>>) {
         let frames = self.frames_to_tick() as u8;
         for ((voice, listening), number) in self.voices.iter().zip(&mut *self.listening).zip(0u8..) {
+            *listening = None;
+            if voice.sleeps && direct_input(direct, number) == 0.0 {
+                continue;
+            }
             let (input, contact_samples) = self.contacts.ahead(number);
             let input = input + direct_input(direct, number);
             let used = if input > 0.0 { Use::Driven } else { Use::Free };
@@ -189,13 +193,18 @@ impl<S: Sample> Engine<'_, '_, S> {
             let nothing = (CostItem::WakingPad, 0);
             return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
-        let due = self.voices.iter().filter(|voice| voice.is_guard_due());
-        let groups = due.map(Voice::group_count).sum::<usize>() as u32;
-        let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
+        let (mut waking, mut due_groups, mut reached) = (0, 0, 0);
+        for voice in self.voices.iter().filter(|voice| !voice.rests()) {
+            waking += 1;
+            due_groups += if voice.is_guard_due() { voice.group_count() as u32 } else { 0 };
+            for bank in voice.banks().iter().filter(|bank| bank.is_being_reached()) {
+                reached += bank.modes_to_reach() as u32; // banks count in 16 bits
+                due_groups += if bank.hand_is_guarded() { bank.group_count() } else { 0 };
+            }
+        }
         let noise = (CostItem::ResidualCycle, self.stage_cycles_ahead());
-        let (modes, guards) = self.reached();
-        let choke = (CostItem::ChokedMode, modes);
-        [(CostItem::Tick, 1), (CostItem::WakingPad, pads as u32), (CostItem::DueGroup, groups + guards), noise, choke]
+        let choke = (CostItem::ChokedMode, reached);
+        [(CostItem::Tick, 1), (CostItem::WakingPad, waking), (CostItem::DueGroup, due_groups), noise, choke]
     }
 
     /// Counts of an event.
@@ -219,17 +228,6 @@ impl<S: Sample> Engine<'_, '_, S> {
             // Counted at the tick at which they act.
             Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 4],
         }
-    }
-
-    /// Number of modes that chokes and releases reach in this tick, and of groups guarded for them.
-    fn reached(&self) -> (u32, u32) {
-        self.voices.iter().flat_map(|voice| voice.banks()).filter(|bank| bank.is_being_reached()).fold(
-            (0, 0),
-            |(modes, groups), bank| {
-                let guards = if bank.hand_is_guarded() { bank.group_count() } else { 0 };
-                (modes + bank.modes_to_reach() as u32, groups + guards) // banks count in 16 bits
-            },
-        )
     }
 
     fn survey_counts(&self) -> [(CostItem, u32); 2] {
@@ -286,18 +284,23 @@ impl<S: Sample> Engine<'_, '_, S> {
             return;
         }
         counts.add(CostItem::Look, 1);
-        counts.add(CostItem::Pad, self.voices.len() as u32);
         if self.noisy {
             let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
             let noises = (self.noises() + begun) as u32;
             counts.add(CostItem::ResidualRun, noises);
             counts.add(CostItem::ResidualFrame, noises * frames);
         }
+        let (mut awake, mut sleeping) = (0, 0);
         for (voice, number) in self.voices.iter().zip(0u8..) {
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
+            if voice.sleeps && !struck && !is_direct {
+                sleeping += 1;
+                continue;
+            }
+            awake += 1;
             let pad_banks = voice.banks();
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
-            let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
             if !is_driven && !voice.is_ringing() {
@@ -342,6 +345,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::BusFrame, frames);
             }
         }
+        counts.add_all([(CostItem::Pad, awake), (CostItem::SleepingPad, sleeping)]);
     }
 
     /// Adds what pads in frames take of a run: their heads, and the buses of those whose strikers

@@ -6,8 +6,10 @@
 pub enum CostItem {
     /// Tick in which anything is to be done.
     Tick,
-    /// Pad in a run of frames, sounding or not.
+    /// Pad that does not sleep in a run of frames, sounding or not.
     Pad,
+    /// Pad that sleeps in a run of frames.
+    SleepingPad,
     /// Pad with bookkeeping at a tick's beginning.
     WakingPad,
     /// Register group whose bank is guarded at a tick's beginning.
@@ -82,6 +84,7 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::Tick, 600),
     (CostItem::Pad, 457),
+    (CostItem::SleepingPad, 210),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
     (CostItem::RingingPad, 1089),

@@ -149,6 +149,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             expects: false,
             chokes_changed: false,
             unstruck_modes: 0,
+            asleep_modes: 0,
+            asleep_unstruck_modes: 0,
             retired_amplitude: 0.0,
         })
     }

@@ -140,7 +140,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 self.count_run(length as u32, direct_now);
             }
             if passes_idle {
-                self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
+                self.report.pass_asleep(self.unstruck_modes, self.modes_built, length);
                 self.pass_room_silence(length);
             } else {
                 self.render_run(direct_now, now);

@@ -96,6 +96,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) chokes_changed: bool,
     /// Number of modes of pads that have not been struck since the load; kept for idle ticks.
     pub(super) unstruck_modes: u32,
+    /// Number of modes of pads that sleep.
+    pub(super) asleep_modes: u32,
+    /// Number of modes of pads that sleep and have not been struck since the load.
+    pub(super) asleep_unstruck_modes: u32,
     /// Sum of the pads' retired amplitudes, 1.0 = full scale.
     pub(super) retired_amplitude: f32,
 }

@@ -137,8 +137,33 @@ impl<S: Sample> Engine<'_, '_, S> {
         voice.set_position(slot, event.position, &tables, self.rate);
     }
 
-    /// Lets forces reach the shed groups of a pad again.
+    /// Wakes a pad before a force acts on it.
+    fn wake(&mut self, pad: u8) {
+        let Some(voice) = self.voices.get_mut(usize::from(pad)).filter(|voice| voice.sleeps) else { return };
+        voice.sleeps = false;
+        self.asleep_modes -= voice.mode_count() as u32;
+        self.asleep_unstruck_modes -= if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
+    }
+
+    /// Lays plain pads to sleep that nothing rings on and no force acts on; gives the number of
+    /// pads that ring.
+    fn lay_to_sleep(&mut self) -> u32 {
+        let mut ringing = 0;
+        for (voice, number) in self.voices.iter_mut().zip(0u8..).filter(|(voice, _)| !voice.sleeps) {
+            if voice.is_ringing() {
+                ringing += 1;
+            } else if self.skipping == Skipping::On && voice.is_plain && self.contacts.count_on(number) == 0 {
+                voice.sleeps = true;
+                self.asleep_modes += voice.mode_count() as u32;
+                self.asleep_unstruck_modes += if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
+            }
+        }
+        ringing
+    }
+
+    /// Lets forces reach the shed groups of a pad again, and wakes it.
     fn admit(&mut self, pad: u8) {
+        self.wake(pad);
         if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
             voice.admit();
         }
@@ -155,7 +180,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
         let has_contacts = self.contacts.count() > 0;
         self.report.contact_frames += (self.contacts.count() * out.len()) as u32;
+        direct.iter().for_each(|direct| self.wake(direct.pad));
+        self.report.pass_asleep(self.asleep_unstruck_modes, self.asleep_modes, out.len());
         for (voice, number) in self.voices.iter_mut().zip(0u8..) {
+            if voice.sleeps {
+                continue;
+            }
             // A force of exact zeros is no force: a quiet sensor costs nothing.
             let direct = direct
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
@@ -193,7 +223,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.end_noise_tick();
         self.report.filters = self.active_filters();
         self.report.contacts = self.contacts.count() as u32;
-        self.report.ringing_pads = self.voices.iter().filter(|voice| voice.is_ringing()).count() as u32;
+        self.report.ringing_pads = self.lay_to_sleep();
         if self.frames.is_some() {
             self.end_frames_tick();
         }

@@ -47,6 +47,9 @@ pub struct Voice<'k, 'm> {
     pub(super) is_choke_wanted: bool,
     pub(super) is_choked: bool,
     pub(super) struck: bool,
+    /// True if nothing rings on a plain pad and no force acts on it: runs pass it over until an
+    /// event or a direct force wakes it.
+    pub(crate) sleeps: bool,
     /// Slot of the latest strike.
     pub(super) direct_slot: u8,
     /// Number of coming ticks in which no bank has anything to do.
@@ -113,6 +116,7 @@ impl Voice<'_, '_> {
             is_choke_wanted: false,
             is_choked: false,
             struck: false,
+            sleeps: false,
             direct_slot: 0,
             rest_ticks: 0,
             passed_ticks: 0,
