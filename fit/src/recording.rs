@@ -13,6 +13,7 @@ use crate::modes::{self, Bounds, DampedSine};
 use crate::stages::{MOST_RISE_DB, PlayedTable, RecordedStrike, is_worth_its_room};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
+use crate::trim::trimmed;
 use crate::{bark, material, render, residual, room, segment};
 
 /// Options of a fit.
@@ -198,10 +199,13 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         ),
         licence: options.licence.clone(),
     };
-    let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
-    let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
     let stage = RecordedStrike::new(&recording.samples[..strike.hit.onset], heard, recording.rate_hz, strike.position);
+    let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
+    let fit = trimmed(fit.clone(), &stage, &judge, &provenance)?;
+    let strike = &fit.strikes[fit.loudest];
+    let table = table::of_fit(&fit, &provenance);
+    let rendering = stage.render(&table, heard.len())?;
     let end = lsd_window(heard, recording.rate_hz).end;
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, end)?;
     let modes_alone = stage.distances(&rendering);
@@ -227,7 +231,6 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         }
     }
     let (PlayedTable { table, sound: whole, .. }, residual_bands) = best;
-    let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
     let hearing_of_modes = judge.scores(&rendering);
     let hearing =
         if residual_bands.is_empty() && table.room.is_empty() { hearing_of_modes } else { judge.scores(&whole) };
