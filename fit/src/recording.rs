@@ -157,6 +157,10 @@ pub struct StrikeReport {
     pub at_s: f64,
     /// Contact time in seconds.
     pub contact_time_s: f64,
+    /// Shortest and longest contact time in seconds that the sound allows.
+    ///
+    /// `None` with a measured force, and for a sound too short to tell.
+    pub contact_interval_s: Option<[f64; 2]>,
     /// Log-spectral distance of the model in dB.
     pub lsd_db: f64,
     /// Energy that the model leaves, in dB.
@@ -250,6 +254,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
             .map(|strike| StrikeReport {
                 at_s: strike.hit.onset as f64 / recording.rate_hz,
                 contact_time_s: strike.contact_time_s,
+                contact_interval_s: contact_interval_s(&recording, strike),
                 lsd_db: strike.lsd_db,
                 residual_db: strike.residual_db,
             })
@@ -284,6 +289,13 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok(Fitted { recording, fit, table, rendering, whole, sounding, heard: judge, report })
+}
+
+/// Contact times that a strike's sound allows; `None` if the force was measured.
+fn contact_interval_s(recording: &Recording, strike: &strike::Strike) -> Option<[f64; 2]> {
+    let sound = recording.samples.get(strike.hit.onset..strike.hit.end)?;
+    let interval_s = contact::contact_interval_s(sound, recording.rate_hz);
+    interval_s.filter(|_| recording.force.is_none())
 }
 
 /// Audible partials beside a rendering and its modes.

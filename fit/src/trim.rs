@@ -1,14 +1,16 @@
-//! Last corrections of a fitted strike: levels of its loudest partials, and its peak.
+//! Last corrections of a fitted strike: levels of its loudest partials, its peak and its attack.
 //!
 //! The descent lowers distances that are means over bands and frames. A single partial may stay
 //! 4 dB off, and modes and noise may meet in one sample that stands above the recording's peak.
-//! Both are heard, so both are measured in dsp-core's rendering and corrected:
+//! All are heard, so all are measured in dsp-core's rendering and corrected:
 //!
-//! - The mode nearest to a loud partial gets the gain that gives the partial its level.
-//! - What makes the peak is lowered. Each mode's share is its own part of that sample times its
-//!   decay, so that short modes give way before those that ring.
+//! - The mode nearest to a loud partial gets the gain that brings the partial near its level.
+//! - What makes a peak or the first 3 ms too loud is lowered. Each mode's share is its own part of
+//!   these samples times its decay, so that short modes give way before those that ring.
 //!
 //! Faults are counted again in the new rendering, and the strike with the fewest is kept.
+
+use std::ops::Range;
 
 use fourier::Complex;
 
@@ -24,14 +26,16 @@ use crate::table::{self, Provenance};
 
 /// Largest error of a partial's level that counts as right, in dB.
 const RIGHT_DB: f64 = 3.0;
-/// Error of a partial's level up to which it is left as it is, in dB.
-const CLOSE_DB: f64 = 2.5;
+/// Error that a corrected partial keeps, in dB: the descent had its reasons.
+const KEPT_DB: f64 = 2.0;
 /// Largest change of a mode's level in one round, in dB.
 const MOST_CHANGE_DB: f64 = 9.0;
-/// Largest level of the rendering's peak over the recording's, in dB.
-const MOST_PEAK_DB: f64 = 3.0;
-/// Level over the recording's peak to which a peak is lowered, in dB.
-const WANTED_PEAK_DB: f64 = 2.7;
+/// Largest level of the rendering's peak, and of its attack, over the recording's, in dB.
+const MOST_OVER_DB: f64 = 3.0;
+/// Level over the recording's to which a peak or an attack is lowered, in dB.
+const WANTED_OVER_DB: f64 = 2.7;
+/// Length of the attack in seconds.
+const ATTACK_S: f64 = 0.003;
 /// Largest share of its gain that a mode loses in one round.
 const MOST_LOSS: f64 = 0.5;
 /// Relative distance of a partial from its mode up to which it has one.
@@ -43,7 +47,7 @@ const ROUNDS: usize = 4;
 /// ends there.
 const RENDERED_S: f64 = 1.1;
 
-/// A fit whose loudest partials and whose peak are right, as far as a few rounds bring them there.
+/// A fit whose loudest partials, peak and attack are right, as far as a few rounds bring them there.
 ///
 /// Only modes with noise of their own are changed: exact modes stay exact.
 ///
@@ -58,7 +62,7 @@ pub(crate) fn trimmed(
     if fit.noise.is_empty() {
         return Ok(fit);
     }
-    let trim = Trim::new(heard, stage.samples());
+    let trim = Trim::new(heard, stage.samples(), stage.rate_hz());
     let strike = stage.samples();
     let length = strike.len().min(peak_at(strike) + (RENDERED_S * stage.rate_hz()) as usize);
     let rendered = |fit: &Fit| -> Result<Rendered, FitError> {
@@ -94,19 +98,25 @@ struct Rendered {
 /// A recorded strike and the loudest of its partials.
 struct Trim<'a> {
     heard: &'a Heard,
-    peak: f64,
+    /// Samples of the strike.
+    strike: &'a [f64],
+    /// Sample of the strike's peak.
+    peak: usize,
+    /// Number of samples of the attack.
+    attack: usize,
     /// The loudest partials, each with its place among all partials.
     partials: Vec<(usize, Partial)>,
 }
 
 impl<'a> Trim<'a> {
     /// The strike whose samples are `strike`.
-    fn new(heard: &'a Heard, strike: &[f64]) -> Self {
-        Self { heard, peak: peak(strike), partials: heard.partials().loudest(LOUDEST) }
+    fn new(heard: &'a Heard, strike: &'a [f64], rate_hz: f64) -> Self {
+        let attack = ((ATTACK_S * rate_hz) as usize).min(strike.len());
+        Self { heard, strike, peak: peak_at(strike), attack, partials: heard.partials().loudest(LOUDEST) }
     }
 
-    /// Number of loudest partials that lack a mode or are off by more than 3 dB, and one more if
-    /// the rendering peaks more than 3 dB over the recording.
+    /// Number of loudest partials that lack a mode or are off by more than 3 dB, and one more for
+    /// each of peak and attack that stands more than 3 dB over the recording's.
     fn faults(&self, fit: &Fit, rendered: &Rendered) -> usize {
         let errors_db = self.heard.partials().errors_db(&rendered.whole);
         let is_wrong = |(index, partial): &&(usize, Partial)| {
@@ -115,15 +125,23 @@ impl<'a> Trim<'a> {
             off_hz > reach_hz || errors_db[*index].abs() > RIGHT_DB
         };
         let wrong = self.partials.iter().filter(is_wrong).count();
-        wrong + usize::from(self.over_db(rendered) > MOST_PEAK_DB)
+        wrong + self.over_db(rendered).iter().filter(|(_, over_db)| *over_db > MOST_OVER_DB).count()
     }
 
-    /// Level of a rendering's peak over the recording's, in dB.
-    fn over_db(&self, rendered: &Rendered) -> f64 {
-        20.0 * (peak(&rendered.whole) / self.peak).log10()
+    /// Levels of a rendering's peak and of its attack over the recording's in dB, each with the
+    /// samples that make it.
+    fn over_db(&self, rendered: &Rendered) -> [(Range<usize>, f64); 2] {
+        let at = peak_at(&rendered.whole);
+        let attack = 0..self.attack.min(rendered.whole.len());
+        [at..at + 1, attack].map(|range| {
+            let wanted =
+                if range.len() == 1 { &self.strike[self.peak..=self.peak] } else { &self.strike[range.clone()] };
+            let ratio = energy(&rendered.whole[range.clone()]) / energy(wanted);
+            (range, 10.0 * ratio.log10())
+        })
     }
 
-    /// The fit with the levels of its partials and its peak corrected.
+    /// The fit with the levels of its partials, its peak and its attack corrected.
     fn corrected(&self, fit: &Fit, rendered: &Rendered) -> Fit {
         let mut corrected = fit.clone();
         let errors_db = self.heard.partials().errors_db(&rendered.whole);
@@ -136,81 +154,89 @@ impl<'a> Trim<'a> {
             done.push(mode);
             let limit_hz = HELD * partial.frequency_hz;
             let is_off = off_hz.abs() > limit_hz.max(0.5 * self.heard.partials().bin_hz());
-            if errors_db[*index].abs() <= CLOSE_DB && !is_off {
+            let error_db = errors_db[*index];
+            if error_db.abs() <= RIGHT_DB && !is_off {
                 continue;
             }
             if off_hz.abs() > limit_hz {
                 corrected.modes[mode].frequency_hz = partial.frequency_hz + limit_hz * off_hz.signum();
             }
-            let change_db = (-errors_db[*index]).clamp(-MOST_CHANGE_DB, MOST_CHANGE_DB);
+            let change_db = error_db.clamp(-KEPT_DB, KEPT_DB) - error_db;
+            let change_db = change_db.clamp(-MOST_CHANGE_DB, MOST_CHANGE_DB);
             scale(&mut corrected, mode, 10f64.powf(change_db / 20.0));
         }
-        if self.over_db(rendered) > MOST_PEAK_DB {
-            self.lower_peak(fit, rendered, &mut corrected);
+        for (range, over_db) in self.over_db(rendered) {
+            if over_db > MOST_OVER_DB {
+                let surplus = 1.0 - 10f64.powf((WANTED_OVER_DB - over_db) / 20.0);
+                lower(fit, rendered, range, surplus, &mut corrected);
+            }
         }
         part_cancelling(&mut corrected);
         corrected.modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         corrected
     }
+}
 
-    /// Lowers the parts of `fit` that make its rendering peak, in `corrected`.
-    fn lower_peak(&self, fit: &Fit, rendered: &Rendered, corrected: &mut Fit) {
-        let Some(strike) = fit.strikes.get(fit.loudest) else { return };
-        let at = peak_at(&rendered.whole);
-        let Some(height) = rendered.whole.get(at).copied() else { return };
-        let (height, sign) = (height.abs(), height.signum());
-        let surplus = height - self.peak * 10f64.powf(WANTED_PEAK_DB / 20.0);
-        let silence = vec![0.0; at + 1];
-        let force = contact::force(strike.contact_time_s, fit.rate_hz);
-        let stretch = Stretch { samples: &silence, force: Some(&force[..force.len().min(at + 1)]) };
-        let of_mode = |mode: &Mode| {
-            let [sine, cosine] = mode.gains.get(fit.loudest).copied().unwrap_or_default();
-            let gain = Complex::new(cosine, -sine) * (strike.peak_force / fit.rate_hz);
-            let mut sound = silence.clone();
-            Basis::new(Pole::new(mode.frequency_hz, mode.decay_per_s, fit.rate_hz), &stretch).add(gain, &mut sound);
-            sign * sound[at]
-        };
-        let parts: Vec<f64> = fit.modes.iter().map(of_mode).collect();
-        let noise = sign * (rendered.whole[at] - rendered.modes.get(at).copied().unwrap_or(0.0));
-        let decay = |band: &Band| band.decay_db_per_s / DECIBELS_A_NEPER;
-        let noise_decay = fit.noise.iter().map(decay).sum::<f64>() / fit.noise.len().max(1) as f64;
-        let weights = fit.modes.iter().map(|mode| mode.decay_per_s).chain([noise_decay]);
-        let parts: Vec<(f64, f64)> =
-            parts.into_iter().chain([noise]).zip(weights).map(|(part, weight)| (part.max(0.0), weight)).collect();
-        let losses = losses(&parts, surplus);
-        for (mode, loss) in losses.iter().take(fit.modes.len()).enumerate() {
-            scale(corrected, mode, 1.0 - loss);
-        }
-        let loss = losses.last().copied().unwrap_or(0.0);
-        corrected.noise.iter_mut().for_each(|band| band.weight *= 1.0 - loss);
+/// Lowers what makes a rendering of `fit` loud in a range of samples, in `corrected`.
+///
+/// The range loses a share of its amplitude, `surplus`. Nothing is changed if that takes more than
+/// half of the modes that make it.
+fn lower(fit: &Fit, rendered: &Rendered, range: Range<usize>, surplus: f64, corrected: &mut Fit) {
+    let Some(strike) = fit.strikes.get(fit.loudest) else { return };
+    let whole = &rendered.whole[range.clone()];
+    let all = energy(whole);
+    let share = |part: &[f64]| part.iter().zip(whole).map(|(part, whole)| part * whole).sum::<f64>() / all;
+    let silence = vec![0.0; range.end];
+    let force = contact::force(strike.contact_time_s, fit.rate_hz);
+    let stretch = Stretch { samples: &silence, force: Some(&force[..force.len().min(range.end)]) };
+    let of_mode = |mode: &Mode| {
+        let [sine, cosine] = mode.gains.get(fit.loudest).copied().unwrap_or_default();
+        let gain = Complex::new(cosine, -sine) * (strike.peak_force / fit.rate_hz);
+        let mut sound = silence.clone();
+        Basis::new(Pole::new(mode.frequency_hz, mode.decay_per_s, fit.rate_hz), &stretch).add(gain, &mut sound);
+        (share(&sound[range.clone()]).max(0.0), mode.decay_per_s)
+    };
+    let noise: Vec<f64> =
+        whole.iter().zip(&rendered.modes[range.clone()]).map(|(whole, modes)| whole - modes).collect();
+    let decay = |band: &Band| band.decay_db_per_s / DECIBELS_A_NEPER;
+    let noise_decay = fit.noise.iter().map(decay).sum::<f64>() / fit.noise.len().max(1) as f64;
+    let mut parts: Vec<(f64, f64)> = fit.modes.iter().map(of_mode).collect();
+    // Noise fills more than its attack: a draw that is loud there stays.
+    let is_peak = whole.len() == 1;
+    parts.push(if is_peak { (share(&noise).max(0.0), noise_decay) } else { (0.0, 0.0) });
+    let Some(losses) = losses(&parts, surplus) else { return };
+    for (mode, loss) in losses.iter().take(fit.modes.len()).enumerate() {
+        scale(corrected, mode, 1.0 - loss);
     }
+    let loss = losses.last().copied().unwrap_or(0.0);
+    corrected.noise.iter_mut().for_each(|band| band.weight *= 1.0 - loss);
 }
 
 /// Decibels in a neper of amplitude.
 const DECIBELS_A_NEPER: f64 = 8.685_889_638;
 
-/// Shares of parts to take away, so that `surplus` is gone of their sum.
+/// Shares of parts to take away, so that `surplus` is gone of their sum; `None` if it is too much.
 ///
 /// A share is proportional to the part and to its weight, and at most one half.
-fn losses(parts: &[(f64, f64)], surplus: f64) -> Vec<f64> {
+fn losses(parts: &[(f64, f64)], surplus: f64) -> Option<Vec<f64>> {
     let share = |factor: f64, (part, weight): &(f64, f64)| (factor * part * weight).min(MOST_LOSS);
     let taken = |factor: f64| parts.iter().map(|part| part.0 * share(factor, part)).sum::<f64>();
-    let largest = parts.iter().map(|(part, weight)| part * weight).fold(f64::MIN_POSITIVE, f64::max);
-    let (mut low, mut high) = (0.0, MOST_LOSS / largest);
-    for _ in 0..DOUBLINGS {
-        if taken(high) < surplus {
-            (low, high) = (high, 2.0 * high);
+    let (mut low, mut high) = (0.0, 1.0);
+    while taken(high) < surplus {
+        (low, high) = (high, 2.0 * high);
+        if high > MOST_FACTOR {
+            return None;
         }
     }
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         if taken(middle) < surplus { low = middle } else { high = middle }
     }
-    parts.iter().map(|part| share(high, part)).collect()
+    Some(parts.iter().map(|part| share(high, part)).collect())
 }
 
-/// Number of times that the factor of all losses is doubled to find its upper bound.
-const DOUBLINGS: usize = 40;
+/// Factor of all losses from which the surplus is too much.
+const MOST_FACTOR: f64 = 1e12;
 /// Number of halvings that find the factor of all losses.
 const HALVINGS: usize = 40;
 
@@ -252,8 +278,8 @@ fn peak_at(sound: &[f64]) -> usize {
     sound.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(at, _)| at)
 }
 
-fn peak(sound: &[f64]) -> f64 {
-    sound.iter().fold(f64::MIN_POSITIVE, |peak, x| peak.max(x.abs()))
+fn energy(sound: &[f64]) -> f64 {
+    sound.iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -263,14 +289,14 @@ mod tests {
     #[test]
     fn losses_take_the_surplus_away_and_spare_what_rings() {
         let parts = [(0.5, 2.0), (0.3, 200.0), (0.0, 1_000.0)];
-        let losses = losses(&parts, 0.1);
+        let losses = losses(&parts, 0.1).expect("0.1 of 0.8 can be taken");
         let taken: f64 = parts.iter().zip(&losses).map(|((part, _), loss)| part * loss).sum();
         assert!((taken - 0.1).abs() < 1e-6, "{losses:?}");
         assert!(losses[1] > 10.0 * losses[0], "{losses:?}");
     }
 
     #[test]
-    fn losses_are_at_most_a_half_if_the_surplus_cannot_be_taken() {
-        assert!(losses(&[(0.5, 2.0), (0.3, 9.0)], 1.0).iter().all(|loss| *loss <= MOST_LOSS));
+    fn nothing_is_taken_if_half_of_all_parts_is_less_than_the_surplus() {
+        assert!(losses(&[(0.5, 2.0), (0.3, 9.0)], 0.5).is_none());
     }
 }
