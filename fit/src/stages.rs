@@ -140,7 +140,9 @@ impl<'a> RecordedStrike<'a> {
             if table.objects.iter().all(|object| object.residual.is_none()) {
                 break;
             }
-            let noisy = self.play(table, DRAWS)?;
+            // In a room each draw is a rendering of everything.
+            let draws = if table.room.is_empty() { DRAWS } else { 1 };
+            let noisy = self.play(table, draws)?;
             if is_worth(&noisy, &best.0, most_lsd_db) {
                 best = (noisy, bands.into_iter().filter(|band| band.weight > 0.0).collect());
             }

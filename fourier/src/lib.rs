@@ -57,8 +57,8 @@ mod tests {
         output.iter().map(|bin| [bin.re.to_bits(), bin.im.to_bits()]).collect()
     }
 
-    /// Lengths of which a planner that is kept builds the second out of the first, on processors with
-    /// AVX: the last bits of the second spectrum are then others.
+    /// Pairs of lengths, the second of which a kept planner builds out of the first where the
+    /// processor has AVX. The last bits of the second spectrum then differ.
     const PAIRS: [[usize; 2]; 6] =
         [[432, 1_728], [576, 2_304], [1_512, 9_072], [2_304, 4_608], [18_432, 3_111], [18_432, 8_957]];
 

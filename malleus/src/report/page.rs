@@ -139,6 +139,7 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         fit::strike::Estimator::Bins => "bins",
     };
     let emergent = report.emergence_db.iter().filter(|db| **db >= fit::bark::EMERGENT_DB).count();
+    let with_mode = report.partials.iter().filter(|partial| partial.mode_hz.is_some()).count();
     let mut tiles = vec![
         ("Log-spectral distance", format!("{:.2} dB", summary.lsd_db)),
         ("... with residual", format!("{:.2} dB", summary.lsd_with_residual_db)),
@@ -150,7 +151,8 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         ("... first 0.25 s", format!("{:.3}", report.hearing.early_loudness_error)),
         ("Peak over the recording's", format!("{:+.1} dB", report.hearing.peak_db)),
         ("First 3 ms over the recording's", format!("{:+.1} dB", report.hearing.attack_db)),
-        ("Audible partials matched", format!("{:.0} %", 100.0 * report.hearing.partials)),
+        ("Audible partials with a mode", format!("{with_mode} of {}", report.partials.len())),
+        ("... at the right level", format!("{:.0} %", 100.0 * report.hearing.partials)),
         ("Modes", format!("{}, {emergent} emergent", summary.modes)),
         ("Frequencies", format!("{:.0} to {:.0} Hz", report.frequency_hz[0], report.frequency_hz[1])),
         ("T60", format!("{} to {} s", significant(summary.t60_s[0]), significant(summary.t60_s[1]))),
