@@ -346,7 +346,7 @@ mod tests {
     fn a_short_mode_that_makes_a_peak_is_lowered_and_ringing_modes_stay() {
         on_a_large_stack(|| {
             let (trimmed, [before, after]) = trimmed_to(&fit_of([500.0, 400.0, 0.0]), fit_of([500.0, 400.0, 1_500.0]));
-            assert!(before > 4.0 && after <= 3.0, "{before} dB, {after} dB");
+            assert!(before > 3.2 && after <= 3.0, "{before} dB, {after} dB");
             let ringing = [trimmed.modes[0].gains[0][0] / 500.0, trimmed.modes[1].gains[0][0] / 400.0];
             assert!(ringing.iter().all(|ratio| (0.95..=1.0).contains(ratio)), "{ringing:?}");
         });
