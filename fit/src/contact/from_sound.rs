@@ -125,9 +125,9 @@ impl Bands {
         (levels_db.len() >= 5).then_some(Self { bin_hz, levels_db })
     }
 
-    /// Sums over bands of the squared error in dB of a contact's spectrum times a power of frequency.
+    /// Sums over bands of the squared error in dB of a contact's spectrum under a tilt.
     ///
-    /// There is one sum for each power in `tilts`.
+    /// There is one sum for each power of frequency in `tilts`.
     fn misfits<const N: usize>(&self, contact_time_s: f64, tilts: [f64; N]) -> [f64; N] {
         let power = |bin: usize| pulse_power(bin as f64 * self.bin_hz, contact_time_s) + LEAST_POWER;
         let flat = self.levels_db.iter().map(|(bins, level_db)| {
