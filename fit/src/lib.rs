@@ -27,5 +27,6 @@ mod decay;
 mod error;
 mod joint;
 mod random;
+mod trim;
 
 pub use error::FitError;

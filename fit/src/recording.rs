@@ -13,6 +13,7 @@ use crate::modes::{self, Bounds, DampedSine};
 use crate::stages::{MOST_RISE_DB, PlayedTable, RecordedStrike, is_worth_its_room};
 use crate::strike::{self, Fit, fit_force, fit_sound};
 use crate::table::{self, Provenance};
+use crate::trim::trimmed;
 use crate::{bark, material, render, residual, room, segment};
 
 /// Options of a fit.
@@ -156,6 +157,10 @@ pub struct StrikeReport {
     pub at_s: f64,
     /// Contact time in seconds.
     pub contact_time_s: f64,
+    /// Shortest and longest contact time in seconds that the sound allows.
+    ///
+    /// `None` with a measured force, and for a sound too short to tell.
+    pub contact_interval_s: Option<[f64; 2]>,
     /// Log-spectral distance of the model in dB.
     pub lsd_db: f64,
     /// Energy that the model leaves, in dB.
@@ -198,10 +203,13 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         ),
         licence: options.licence.clone(),
     };
-    let table = table::of_fit(&fit, &provenance);
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
-    let rendering = render::by_instrument(&table, strike.position, recording.rate_hz, heard.len())?;
     let stage = RecordedStrike::new(&recording.samples[..strike.hit.onset], heard, recording.rate_hz, strike.position);
+    let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
+    let fit = trimmed(fit.clone(), &stage, &judge, &provenance)?;
+    let strike = &fit.strikes[fit.loudest];
+    let table = table::of_fit(&fit, &provenance);
+    let rendering = stage.render(&table, heard.len())?;
     let end = lsd_window(heard, recording.rate_hz).end;
     let by_reference = render::by_reference(&table, strike.position, recording.rate_hz, end)?;
     let modes_alone = stage.distances(&rendering);
@@ -227,7 +235,6 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         }
     }
     let (PlayedTable { table, sound: whole, .. }, residual_bands) = best;
-    let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
     let hearing_of_modes = judge.scores(&rendering);
     let hearing =
         if residual_bands.is_empty() && table.room.is_empty() { hearing_of_modes } else { judge.scores(&whole) };
@@ -247,6 +254,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
             .map(|strike| StrikeReport {
                 at_s: strike.hit.onset as f64 / recording.rate_hz,
                 contact_time_s: strike.contact_time_s,
+                contact_interval_s: contact_interval_s(&recording, strike),
                 lsd_db: strike.lsd_db,
                 residual_db: strike.residual_db,
             })
@@ -281,6 +289,13 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok(Fitted { recording, fit, table, rendering, whole, sounding, heard: judge, report })
+}
+
+/// Contact times that a strike's sound allows; `None` if the force was measured.
+fn contact_interval_s(recording: &Recording, strike: &strike::Strike) -> Option<[f64; 2]> {
+    let sound = recording.samples.get(strike.hit.onset..strike.hit.end)?;
+    let interval_s = contact::contact_interval_s(sound, recording.rate_hz);
+    interval_s.filter(|_| recording.force.is_none())
 }
 
 /// Audible partials beside a rendering and its modes.

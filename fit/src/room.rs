@@ -78,7 +78,7 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
         let root_of_two = std::f64::consts::SQRT_2;
         let smear_s = (std::f64::consts::TAU * SPREAD_OCTAVES * std::f64::consts::LN_2 * centre_hz).recip();
         (centre_hz * root_of_two < 0.5 * rate_hz)
-            .then(|| spectrum.band(|f| gaussian((f / centre_hz).log2(), 0.0, SPREAD_OCTAVES), smear_s))
+            .then(|| spectrum.band(|f| gaussian((f / centre_hz).log2(), 0.0, SPREAD_OCTAVES), centre_hz, smear_s))
             .flatten()
             .and_then(|band| tail(strike, rate_hz, centre_hz, &band, length_s))
             .map(|(gain_db, t60_s)| RoomBand {

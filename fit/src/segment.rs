@@ -22,6 +22,8 @@ const BEFORE: usize = 10;
 const ABOVE_NOISE: f64 = 100.0;
 /// Least level of a strike relative to the loudest frame, as a power ratio: -30 dB.
 const BELOW_LOUDEST: f64 = 1e-3;
+/// Least ratio of a pulse of the measured force to the median of its magnitude.
+const OVER_FORCE_NOISE: f64 = 10.0;
 /// Time in seconds after a strike in which another is taken for its bounce.
 const BOUNCE_S: f64 = 0.06;
 /// Length in seconds up to which a recording may end before its strike has died away.
@@ -30,6 +32,8 @@ const CUT_S: f64 = 0.12;
 const SHORTEST_S: f64 = 0.015;
 
 /// Finds the strikes of a recording.
+///
+/// With a measured force, each of its pulses is a strike. Otherwise the sound tells:
 ///
 /// A strike is a rise by 12 dB over the 20 ms before it. Rises within 60 ms of a strike are its
 /// bounces, which a note reports. A recording that begins at its loudest, and dies away, begins
@@ -54,6 +58,13 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let mut onsets: Vec<usize> = Vec::new();
     let mut bounces = Vec::new();
     let mut notes = Vec::new();
+    if let Some(force) = &recording.force
+        && let Some((hits, bounces)) = of_force(samples, force, recording.rate_hz)
+    {
+        notes.extend((!bounces.is_empty()).then_some(Note::Bounces { at_s: bounces }));
+        check_clipping(recording, &hits)?;
+        return Ok((hits, notes));
+    }
     for (index, &now) in power.iter().enumerate() {
         let before = power[index.saturating_sub(BEFORE)..index].iter().copied().fold(0.0, f64::max);
         let at_start = index == 0;
@@ -110,6 +121,42 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     }
     check_clipping(recording, &hits)?;
     Ok((hits, notes))
+}
+
+/// Strikes by the pulses of a measured force, and the times of bounces in seconds.
+///
+/// A pulse stands ten times over the median of the force's magnitude and at most 30 dB below its
+/// largest one. The sound's onset is looked for from 2 ms before the pulse on. `None` without
+/// pulses: the sound then tells.
+fn of_force(samples: &[f64], force: &[f64], rate_hz: f64) -> Option<(Vec<Hit>, Vec<f64>)> {
+    let mut levels: Vec<f64> = force.iter().map(|x| x.abs()).collect();
+    levels.sort_by(f64::total_cmp);
+    let (noise, loudest) = (*levels.get(levels.len() / 2)?, *levels.last()?);
+    let least = (OVER_FORCE_NOISE * noise).max(loudest * BELOW_LOUDEST.sqrt());
+    let (size, apart) = (((FRAME_S * rate_hz) as usize).max(8), (BOUNCE_S * rate_hz) as usize);
+    let (mut onsets, mut bounces): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (mut last, mut is_over) = (None, false);
+    let mut over = 0;
+    for (at, x) in force.iter().enumerate() {
+        if *x <= least {
+            is_over &= at < over + size;
+            continue;
+        }
+        over = at;
+        if std::mem::replace(&mut is_over, true) {
+            continue;
+        }
+        if last.is_some_and(|last| at - last < apart) {
+            bounces.push(at as f64 / rate_hz);
+        } else {
+            last = Some(at);
+            onsets.push(onset_sample(samples, at, size).clamp(at.saturating_sub(size), at + 2 * size));
+        }
+    }
+    let ends = onsets.iter().skip(1).map(|next| next.saturating_sub(size)).chain([samples.len()]);
+    let hits: Vec<Hit> = onsets.iter().zip(ends).map(|(&onset, end)| Hit { onset, end }).collect();
+    let hits: Vec<Hit> = hits.into_iter().filter(|hit| hit.end > hit.onset).collect();
+    (!hits.is_empty()).then_some((hits, bounces))
 }
 
 /// Selects hits, counted from 1; all if none is named.

@@ -54,9 +54,27 @@ impl<'a> RecordedStrike<'a> {
         Self { before, samples, rate_hz, position, levels: RecordedLevels::new(before, samples, rate_hz) }
     }
 
+    /// Samples of the strike from its onset on.
+    pub(crate) fn samples(&self) -> &'a [f64] {
+        self.samples
+    }
+
+    /// Sample rate in Hz.
+    pub(crate) fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
     /// Distances of a sound from the recording.
     pub fn distances(&self, sound: &[f64]) -> Distances {
         self.levels.distances(sound)
+    }
+
+    /// Renders the first `length` samples of a table's strike by dsp-core.
+    ///
+    /// # Errors
+    /// [`FitError`] if a board would refuse the table.
+    pub(crate) fn render(&self, table: &kit::Kit, length: usize) -> Result<Vec<f64>, FitError> {
+        render::by_instrument(table, self.position, self.rate_hz, length)
     }
 
     /// Plays a table by dsp-core; the distances are averages over `draws` noises if the table has
@@ -65,8 +83,7 @@ impl<'a> RecordedStrike<'a> {
     /// # Errors
     /// [`FitError`] if a board would refuse the table.
     pub fn play(&self, table: kit::Kit, draws: u32) -> Result<PlayedTable, FitError> {
-        let render = |table: &kit::Kit| render::by_instrument(table, self.position, self.rate_hz, self.samples.len());
-        let sound = render(&table)?;
+        let sound = self.render(&table, self.samples.len())?;
         let first = self.distances(&sound);
         let Some(residual) = table.objects.first().and_then(|object| object.residual.clone()) else {
             return Ok(PlayedTable { distances: first, table, sound });
@@ -76,7 +93,7 @@ impl<'a> RecordedStrike<'a> {
         let mut drawn = table.clone();
         let modes = if table.room.is_empty() && draws > 1 {
             drawn.objects.iter_mut().for_each(|object| object.modes.clear());
-            let noise = render(&drawn)?;
+            let noise = self.render(&drawn, self.samples.len())?;
             sound.iter().zip(noise).map(|(sound, noise)| sound - noise).collect()
         } else {
             vec![0.0; sound.len()]
@@ -86,7 +103,7 @@ impl<'a> RecordedStrike<'a> {
             if let Some(object) = drawn.objects.first_mut() {
                 object.residual = Some(kit::Residual { seed: residual.seed.wrapping_add(draw), ..residual.clone() });
             }
-            let noise = render(&drawn)?;
+            let noise = self.render(&drawn, self.samples.len())?;
             let together: Vec<f64> = modes.iter().zip(noise).map(|(modes, noise)| modes + noise).collect();
             let distances = self.distances(&together);
             sum.lsd_db += distances.lsd_db;
@@ -123,7 +140,9 @@ impl<'a> RecordedStrike<'a> {
             if table.objects.iter().all(|object| object.residual.is_none()) {
                 break;
             }
-            let noisy = self.play(table, DRAWS)?;
+            // In a room each draw is a rendering of everything.
+            let draws = if table.room.is_empty() { DRAWS } else { 1 };
+            let noisy = self.play(table, draws)?;
             if is_worth(&noisy, &best.0, most_lsd_db) {
                 best = (noisy, bands.into_iter().filter(|band| band.weight > 0.0).collect());
             }
@@ -140,8 +159,7 @@ impl<'a> RecordedStrike<'a> {
         plain: PlayedTable,
         bands: &[residual::Band],
     ) -> Result<(PlayedTable, Vec<residual::Band>), FitError> {
-        let table = residual::with_residual(plain.table.clone(), bands, SEED);
-        let noisy = self.play(table, DRAWS)?;
+        let noisy = self.play(noisy(plain.table.clone(), bands), DRAWS)?;
         let sounding = bands.iter().filter(|band| band.weight > 0.0).copied().collect();
         Ok(if nearness(&noisy, &plain) < 1.0 { (noisy, sounding) } else { (plain, Vec::new()) })
     }
@@ -208,6 +226,11 @@ impl<'a> RecordedStrike<'a> {
         }
         Ok(best)
     }
+}
+
+/// The table with noise in these bands, drawn as tables of fits draw it.
+pub(crate) fn noisy(table: kit::Kit, bands: &[residual::Band]) -> kit::Kit {
+    residual::with_residual(table, bands, SEED)
 }
 
 /// True if `more` is nearer to the recording than `less` by enough to justify its additional stage.

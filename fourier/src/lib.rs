@@ -57,16 +57,20 @@ mod tests {
         output.iter().map(|bin| [bin.re.to_bits(), bin.im.to_bits()]).collect()
     }
 
+    /// Pairs of lengths, the second of which a kept planner builds out of the first where the
+    /// processor has AVX. The last bits of the second spectrum then differ.
+    const PAIRS: [[usize; 2]; 6] =
+        [[432, 1_728], [576, 2_304], [1_512, 9_072], [2_304, 4_608], [18_432, 3_111], [18_432, 8_957]];
+
     #[test]
     fn spectra_do_not_depend_on_the_lengths_planned_before() {
-        let lengths = [96, 384, 1_152, 1_536, 3_000, 3_022, 8_192, 9_216, 11_025, 16_384, 5_174];
-        for length in lengths {
+        for [before, length] in PAIRS {
             let alone = std::thread::spawn(move || bits(length)).join().expect("it ends");
-            let after_others = std::thread::spawn(move || {
-                lengths.iter().filter(|other| **other != length).for_each(|other| drop(forward(*other)));
+            let after = std::thread::spawn(move || {
+                drop(forward(before));
                 bits(length)
             });
-            assert!(alone == after_others.join().expect("it ends"), "{length}");
+            assert!(alone == after.join().expect("it ends"), "{before} before {length}");
         }
     }
 }

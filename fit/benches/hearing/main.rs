@@ -19,17 +19,10 @@ use fit::score::quantile;
 use rayon::prelude::*;
 use table::Checks;
 
-/// Length of the attack whose level is compared, in seconds.
-const ATTACK_S: f64 = 0.003;
-
 struct Row {
     name: String,
     modes: usize,
     scores: Scores,
-    /// Peak of the rendering over that of the recording, in dB.
-    peak_db: f64,
-    /// Rms of the rendering's first 3 ms over that of the recording, in dB.
-    attack_db: f64,
     seconds: f64,
     checks: Checks,
 }
@@ -66,35 +59,24 @@ fn main() {
         for row in rows {
             match row {
                 Ok(row) => {
-                    println!("{}", line(&row.name, row.modes, row.scores, [row.peak_db, row.attack_db, row.seconds]));
+                    println!("{}", line(&row.name, row.modes, row.scores, row.seconds));
                     good.push(row);
                 }
                 Err(error) => println!("{error}"),
             }
         }
-        let median = |value: &dyn Fn(&Row) -> f64| quantile(&good.iter().map(value).collect::<Vec<_>>(), 0.5);
-        println!(
-            "{}",
-            line(
-                "median",
-                median(&|row| row.modes as f64) as usize,
-                Scores {
-                    lsd_db: median(&|row| row.scores.lsd_db),
-                    erb_db: median(&|row| row.scores.erb_db),
-                    early_erb_db: median(&|row| row.scores.early_erb_db),
-                    loudness_error: median(&|row| row.scores.loudness_error),
-                    early_loudness_error: median(&|row| row.scores.early_loudness_error),
-                    partials: median(&|row| row.scores.partials),
-                },
-                [median(&|row| row.peak_db), median(&|row| row.attack_db), median(&|row| row.seconds)],
-            )
-        );
+        let half = |first: usize| good.iter().skip(first).step_by(2).collect::<Vec<&Row>>();
+        for (name, rows) in
+            [("median", good.iter().collect()), ("of the 1st, 3rd, ...", half(0)), ("of the 2nd, 4th, ...", half(1))]
+        {
+            println!("{}", medians(name, &rows));
+        }
         let share = |is: &dyn Fn(&Row) -> bool| good.iter().filter(|row| is(row)).count();
         println!(
             "{} of {} peak at most 3 dB above their recording; the attack of {} is within 3 dB; longest fit {:.1} s\n",
-            share(&|row| row.peak_db <= 3.0),
+            share(&|row| row.scores.peak_db <= 3.0),
             good.len(),
-            share(&|row| row.attack_db.abs() <= 3.0),
+            share(&|row| row.scores.attack_db.abs() <= 3.0),
             good.iter().map(|row| row.seconds).fold(0.0, f64::max)
         );
         println!("| table | {}\n|{}", Checks::HEAD, " --- |".repeat(1 + Checks::HEAD.matches('|').count()));
@@ -105,7 +87,23 @@ fn main() {
     }
 }
 
-fn line(name: &str, modes: usize, scores: Scores, [peak_db, attack_db, seconds]: [f64; 3]) -> String {
+/// Line of the medians of rows.
+fn medians(name: &str, rows: &[&Row]) -> String {
+    let median = |value: &dyn Fn(&Row) -> f64| quantile(&rows.iter().map(|row| value(row)).collect::<Vec<_>>(), 0.5);
+    let scores = Scores {
+        lsd_db: median(&|row| row.scores.lsd_db),
+        erb_db: median(&|row| row.scores.erb_db),
+        early_erb_db: median(&|row| row.scores.early_erb_db),
+        loudness_error: median(&|row| row.scores.loudness_error),
+        early_loudness_error: median(&|row| row.scores.early_loudness_error),
+        partials: median(&|row| row.scores.partials),
+        peak_db: median(&|row| row.scores.peak_db),
+        attack_db: median(&|row| row.scores.attack_db),
+    };
+    line(name, median(&|row| row.modes as f64) as usize, scores, median(&|row| row.seconds))
+}
+
+fn line(name: &str, modes: usize, scores: Scores, seconds: f64) -> String {
     format!(
         "| {} | {} | {:.2} | {:.2} | {:.2} | {:.3} | {:.3} | {:.2} | {:+.1} | {:+.1} | {:.1} |",
         name,
@@ -116,8 +114,8 @@ fn line(name: &str, modes: usize, scores: Scores, [peak_db, attack_db, seconds]:
         scores.loudness_error,
         scores.early_loudness_error,
         scores.partials,
-        peak_db,
-        attack_db,
+        scores.peak_db,
+        scores.attack_db,
         seconds
     )
 }
@@ -130,12 +128,6 @@ fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
     let rate_hz = fitted.recording.rate_hz;
     let (onset, end) = (strike.hit.onset, strike.hit.end);
     let heard = Heard::new(&fitted.recording.samples, rate_hz, onset, end);
-    let recording = &fitted.recording.samples[onset..end];
-    let peak = |sound: &[f64]| sound.iter().fold(1e-9, |peak: f64, x| peak.max(x.abs()));
-    let attack = |sound: &[f64]| {
-        let first = &sound[..sound.len().min((ATTACK_S * rate_hz) as usize)];
-        (first.iter().map(|x| x * x).sum::<f64>() / first.len().max(1) as f64).max(1e-18)
-    };
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     if let Some(folder) = std::env::var_os("RENDERINGS") {
         let path = Path::new(&folder).join(format!("{name}-{modes}@{onset}.wav"));
@@ -144,8 +136,6 @@ fn row(file: &Path, modes: usize) -> Result<Row, FitError> {
     Ok(Row {
         modes: fitted.fit.modes.len(),
         scores: heard.scores(&fitted.whole),
-        peak_db: 20.0 * (peak(&fitted.whole) / peak(recording)).log10(),
-        attack_db: 10.0 * (attack(&fitted.whole) / attack(recording)).log10(),
         seconds: fitted.report.seconds,
         checks: Checks::of(&fitted, &heard),
         name,

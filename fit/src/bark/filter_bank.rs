@@ -82,17 +82,25 @@ impl Spectrum {
     /// The band round a whole number of Bark.
     pub(crate) fn bark_band(&self, rate: f64, centre_hz: f64) -> Option<Subband> {
         let smear_s = (TAU * SPREAD_BARK * width_hz(centre_hz)).recip();
-        self.band(|f| gaussian(bark(f), rate, SPREAD_BARK), smear_s)
+        self.band(|f| gaussian(bark(f), rate, SPREAD_BARK), centre_hz, smear_s)
     }
 
-    /// The band of a response with a single hump.
+    /// The band of a response that rises up to `centre_hz` and falls behind it.
     ///
-    /// The rate of its analytic signal is no higher than its width requires.
-    pub(crate) fn band(&self, response: impl Fn(f64) -> f64, smear_s: f64) -> Option<Subband> {
+    /// The rate of its analytic signal is no higher than its width requires. `None` if the response
+    /// is negligible at the bin nearest to `centre_hz`.
+    pub(crate) fn band(&self, response: impl Fn(f64) -> f64, centre_hz: f64, smear_s: f64) -> Option<Subband> {
         let least = gaussian(REACH, 0.0, 1.0);
-        let weights: Vec<f64> = (0..self.bins.len()).map(|bin| response(bin as f64 * self.bin_hz)).collect();
-        let first = weights.iter().position(|weight| *weight > least)?;
-        let last = weights.iter().rposition(|weight| *weight > least)?;
+        let is_heard = |bin: usize| response(bin as f64 * self.bin_hz) > least;
+        let count = self.bins.len();
+        let centre = ((centre_hz / self.bin_hz).round() as usize).min(count.saturating_sub(1));
+        if count == 0 || !is_heard(centre) {
+            return None;
+        }
+        let first = first_bin(0, centre, is_heard);
+        let last = first_bin(centre, count, |bin| !is_heard(bin)) - 1;
+        let weights = (first..=last).map(|bin| response(bin as f64 * self.bin_hz));
+        let weights: Vec<f64> = weights.collect();
         // A real transform of twice the band's width gives the real part of the analytic signal,
         // shifted down in frequency. Turned by a quarter, it gives the imaginary part. The first
         // bin has to be real, so the band begins at the second.
@@ -101,7 +109,7 @@ impl Spectrum {
         let part = |turn: Complex<f64>| {
             let mut input = transform.make_input_vec();
             let cut = self.bins.get(first..=last).unwrap_or(&[]);
-            for ((slot, bin), weight) in input.iter_mut().skip(1).zip(cut).zip(weights.iter().skip(first)) {
+            for ((slot, bin), weight) in input.iter_mut().skip(1).zip(cut).zip(&weights) {
                 *slot = bin * turn * *weight;
             }
             let mut output = transform.make_output_vec();
@@ -116,6 +124,18 @@ impl Spectrum {
         let power = real.iter().zip(&imaginary).take(heard).map(|(re, im)| (re * re + im * im) * scale);
         Some(Subband { power: power.collect(), rate_hz, smear_s })
     }
+}
+
+/// First bin from `from` on that is wanted; `to` if none before it is.
+///
+/// No bin behind a wanted one may be unwanted.
+fn first_bin(from: usize, to: usize, is_wanted: impl Fn(usize) -> bool) -> usize {
+    let (mut from, mut to) = (from, to);
+    while from < to {
+        let middle = usize::midpoint(from, to);
+        if is_wanted(middle) { to = middle } else { from = middle + 1 }
+    }
+    to
 }
 
 #[cfg(test)]

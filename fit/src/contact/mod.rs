@@ -3,5 +3,5 @@
 mod from_sound;
 mod pulse;
 
-pub use from_sound::contact_time_s;
+pub use from_sound::{contact_interval_s, contact_time_s};
 pub use pulse::{PULSE_FWHM, force, pulse_power};

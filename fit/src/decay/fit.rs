@@ -103,25 +103,30 @@ impl Problem<'_> {
     /// Misfit, with gradient and expected curvature in the logarithms.
     fn look(&self, numbers: &DVector<f64>) -> (f64, DVector<f64>, DMatrix<f64>) {
         let count = numbers.len();
+        let floor = numbers[count - 1].exp();
+        let rates: Vec<f64> = (0..count / 2).map(|k| numbers[2 * k + 1].exp()).collect();
         let (mut misfit, mut weights) = (0.0, 0.0);
         let (mut gradient, mut curvature) = (DVector::zeros(count), DMatrix::zeros(count, count));
-        let mut slope = DVector::zeros(count);
+        let mut slope = vec![0.0; count];
         for block in self.blocks {
-            let mut mean = self.nothing + numbers[count - 1].exp();
-            slope[count - 1] = numbers[count - 1].exp();
-            for k in 0..count / 2 {
-                let rate = numbers[2 * k + 1].exp();
+            let mut mean = self.nothing + floor;
+            slope[count - 1] = floor;
+            for (k, rate) in rates.iter().enumerate() {
                 let part = (numbers[2 * k] - rate * block.time_s).exp();
                 mean += part;
                 slope[2 * k] = part;
                 slope[2 * k + 1] = -part * rate * block.time_s;
             }
-            slope /= mean;
+            slope.iter_mut().for_each(|slope| *slope /= mean);
             let ratio = block.power / mean;
             misfit += block.length_s * (mean.ln() + ratio);
             weights += block.length_s;
-            gradient.axpy(block.length_s * (1.0 - ratio), &slope, 1.0);
-            curvature.ger(block.length_s, &slope, &slope, 1.0);
+            for (column, by) in slope.iter().enumerate() {
+                gradient[column] += block.length_s * (1.0 - ratio) * by;
+                for (row, other) in slope.iter().enumerate() {
+                    curvature[(row, column)] += block.length_s * by * other;
+                }
+            }
         }
         (misfit / weights, gradient / weights, curvature / weights)
     }

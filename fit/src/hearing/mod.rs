@@ -6,6 +6,8 @@
 //! | ERB distance | levels in 40 bands in dB, over the whole strike, and over that beginning |
 //! | loudness error | loudness in 60 gammatone bands every 2 ms: share in the wrong place |
 //! | partials | share of the audible partials whose level is right within 3 dB |
+//! | peak | the rendering's peak over the recording's |
+//! | attack | rms of the rendering's first 3 ms over the recording's |
 //!
 //! A strike is judged from its onset on. The sound before the onset is the background: it masks
 //! quiet partials, and is not part of the strike.
@@ -28,9 +30,15 @@ pub use partials::{Partial, Partials};
 /// Length of the beginning of a strike whose loudness is compared, in seconds.
 pub(crate) const LOUDNESS_S: f64 = 4.0;
 
+/// Length of the attack whose level is compared, in seconds.
+const ATTACK_S: f64 = 0.003;
+/// Magnitude that stands for silence: -180 dBFS.
+const SILENCE: f64 = 1e-9;
+
 /// A recorded strike and what is needed to compare renderings with it.
 #[derive(Clone, Debug)]
 pub struct Heard {
+    rate_hz: f64,
     length: usize,
     levels: RecordedLevels,
     loudness: Loudness,
@@ -52,6 +60,10 @@ pub struct Scores {
     pub early_loudness_error: f64,
     /// Share of the audible partials, weighted by loudness, whose level is right within 3 dB.
     pub partials: f64,
+    /// Peak of the rendering over that of the recording, in dB.
+    pub peak_db: f64,
+    /// Rms of the rendering's first 3 ms over that of the recording, in dB.
+    pub attack_db: f64,
 }
 
 impl Heard {
@@ -63,6 +75,7 @@ impl Heard {
         let longest = (LOUDNESS_S * rate_hz) as usize;
         let before = &recording[..onset];
         Self {
+            rate_hz,
             levels: RecordedLevels::new(before, &strike, rate_hz),
             loudness: Loudness::new(&strike[..longest.min(strike.len())], before, rate_hz),
             partials: Partials::new(before, &strike, rate_hz),
@@ -83,7 +96,15 @@ impl Heard {
             loudness_error: loudness.whole,
             early_loudness_error: loudness.early,
             partials: self.partials.matched(rendering),
+            peak_db: 20.0 * (peak(rendering) / peak(self.levels.strike())).log10(),
+            attack_db: 10.0 * (self.attack(rendering) / self.attack(self.levels.strike())).log10(),
         }
+    }
+
+    /// Power of a sound's first 3 ms.
+    fn attack(&self, sound: &[f64]) -> f64 {
+        let first = &sound[..sound.len().min((ATTACK_S * self.rate_hz) as usize)];
+        first.iter().map(|x| x * x).sum::<f64>().max(SILENCE * SILENCE)
     }
 
     /// Loudness of the strike.
@@ -108,6 +129,13 @@ impl Scores {
             loudness_error: mean(|scores| scores.loudness_error),
             early_loudness_error: mean(|scores| scores.early_loudness_error),
             partials: mean(|scores| scores.partials),
+            peak_db: mean(|scores| scores.peak_db),
+            attack_db: mean(|scores| scores.attack_db),
         }
     }
+}
+
+/// Largest magnitude of a sound.
+fn peak(sound: &[f64]) -> f64 {
+    sound.iter().fold(SILENCE, |peak, x| peak.max(x.abs()))
 }

@@ -25,7 +25,7 @@ pub(crate) fn cancel(a: (&Pole, Complex<f64>), b: (&Pole, Complex<f64>)) -> bool
 /// Brings the gains of modes that cancel nearer to one another, until they cancel by 6 dB.
 ///
 /// The sum of the two gains stays.
-pub(super) fn part_cancelling(poles: &[Pole], gains: &mut [Complex<f64>]) {
+pub(crate) fn part_cancelling(poles: &[Pole], gains: &mut [Complex<f64>]) {
     for a in 0..poles.len() {
         for b in a + 1..poles.len() {
             let (sum, difference) = (gains[a] + gains[b], gains[a] - gains[b]);

@@ -21,7 +21,7 @@ const LEAST_UNIT: f64 = 1.0;
 /// Lowest frequency of a mode in Hz.
 const LOWEST_HZ: f64 = 20.0;
 /// Relative distance of a mode from one of the loudest partials within which it stays its mode.
-const HELD: f64 = 0.003;
+pub(crate) const HELD: f64 = 0.003;
 /// Slowest and fastest decay of a band in dB/s.
 const DECAYS_DB_PER_S: [f64; 2] = [1.0, 4000.0];
 /// Power of a band relative to the strike's at which the descent begins at least: 80 dB down.
@@ -94,8 +94,8 @@ impl Descent {
         held
     }
 
-    /// The nearest sound that is found within a number of steps.
-    pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> Sounding {
+    /// The nearest sound that is found within a number of steps, and its distance.
+    pub(crate) fn run(&mut self, start: &Sounding, steps: usize) -> (Sounding, f64) {
         let mut now = start.clone();
         for band in &mut now.bands {
             band.weight = band.weight.max((LEAST_POWER * self.power).sqrt());
@@ -156,7 +156,7 @@ impl Descent {
                     (band.decay_db_per_s * faster.exp()).clamp(DECAYS_DB_PER_S[0], DECAYS_DB_PER_S[1]);
             }
         }
-        best.0
+        best
     }
 }
 

@@ -29,5 +29,5 @@ mod split;
 /// Number of the loudest partials each of which has a mode, at the right level.
 pub(crate) const LOUDEST: usize = 6;
 
-pub(crate) use cancelling::cancel;
-pub(crate) use descent::{Descent, Sounding};
+pub(crate) use cancelling::{cancel, part_cancelling};
+pub(crate) use descent::{Descent, HELD, Sounding};

@@ -127,6 +127,14 @@ impl Spectra {
         (C64::new(1.0, 0.0) - z * self.twiddles[bin.rem_euclid(self.size as i64) as usize]).inv()
     }
 
+    /// `D` at the bins from `from` to `to`.
+    fn pole_responses(&self, z: C64, from: i64, to: i64) -> impl Iterator<Item = C64> {
+        let first = from.rem_euclid(self.size as i64) as usize;
+        let count = usize::try_from(to - from + 1).unwrap_or(0);
+        let twiddles = self.twiddles.iter().cycle().skip(first).take(count);
+        twiddles.map(move |twiddle| (C64::new(1.0, 0.0) - z * twiddle).inv())
+    }
+
     /// Shapes of a mode.
     pub(super) fn shape(&self, response: &Response) -> Shape {
         let z = response.log_pole.exp();
@@ -143,18 +151,19 @@ impl Spectra {
         let skirt = size as f64 / (2.0 * std::f64::consts::TAU);
         let reach = (1.5 + (skirt / (peak * NEGLIGIBLE)).cbrt()).ceil().min(size as f64) as i64;
         let (from, to) = ((centre - reach).max(lowest), (centre + reach).min(highest));
-        let values: Vec<C64> = (from - 1..=to + 1).map(|bin| self.pole_response(z, bin)).collect();
-        let (mut hann, mut hann_slope) = (Split::default(), Split::default());
+        let values: Vec<C64> = self.pole_responses(z, from - 1, to + 1).collect();
+        let length = values.len().saturating_sub(2);
+        let (mut hann, mut hann_slope) = (Split::with_capacity(length), Split::with_capacity(length));
         for three in values.windows(3) {
             let slopes = [0, 1, 2].map(|index| three[index] * three[index] - three[index]);
             hann.push(three[1] * 0.5 - (three[0] + three[2]) * 0.25);
             hann_slope.push(slopes[1] * 0.5 - (slopes[0] + slopes[2]) * 0.25);
         }
-        let (mut full, mut full_slope) = (Split::default(), Split::default());
+        let extent = self.common.re.len();
+        let (mut full, mut full_slope) = (Split::with_capacity(extent), Split::with_capacity(extent));
         if !self.onsets.is_empty() {
             let edge = self.bins() as i64;
-            for bin in -edge..=edge {
-                let value = self.pole_response(z, bin);
+            for value in self.pole_responses(z, -edge, edge) {
                 full.push(value);
                 full_slope.push(value * value - value);
             }
@@ -209,34 +218,36 @@ impl Spectra {
 
     /// Folded spectrum of a frame.
     pub(super) fn folded(&self, frame: usize) -> Split {
-        let mut folded = Split::default();
+        let bins = self.bins();
         match self.frames[frame] {
             Place::Ringing(index, _) => {
                 let spectrum = &self.ringing[index];
-                for bin in 0..self.bins() {
-                    let mut value = spectrum.at(bin + MARGIN);
-                    if bin <= MARGIN {
-                        value += spectrum.at(MARGIN - bin).conj();
-                    }
-                    let beyond = 2 * (self.bins() - 1) - bin;
-                    if beyond < self.bins() + MARGIN {
-                        value += spectrum.at(beyond + MARGIN).conj();
-                    }
-                    folded.re.push(value.re);
-                    folded.im.push(value.im);
+                let inner = MARGIN..MARGIN + bins;
+                let mut folded = Split { re: spectrum.re[inner.clone()].to_vec(), im: spectrum.im[inner].to_vec() };
+                for bin in 0..bins.min(MARGIN + 1) {
+                    folded.re[bin] += spectrum.re[MARGIN - bin];
+                    folded.im[bin] -= spectrum.im[MARGIN - bin];
                 }
+                // Bins above half the rate are those below it, mirrored.
+                for bin in (bins - 1).saturating_sub(MARGIN)..bins {
+                    let beyond = 2 * (bins - 1) - bin + MARGIN;
+                    folded.re[bin] += spectrum.re[beyond];
+                    folded.im[bin] -= spectrum.im[beyond];
+                }
+                folded
             }
             Place::Onset(index, _) => {
                 let spectrum = hann_of(&self.onsets[index]);
-                let zero = self.bins();
-                for bin in 0..self.bins() {
-                    let value = spectrum.at(zero + bin) + spectrum.at(zero - bin).conj();
-                    folded.re.push(value.re);
-                    folded.im.push(value.im);
+                let mut folded = Split { re: spectrum.re[bins..].to_vec(), im: spectrum.im[bins..].to_vec() };
+                folded.re.truncate(bins);
+                folded.im.truncate(bins);
+                for bin in 0..bins {
+                    folded.re[bin] += spectrum.re[bins - bin];
+                    folded.im[bin] -= spectrum.im[bins - bin];
                 }
+                folded
             }
         }
-        folded
     }
 
     /// Replaces the spectrum of a frame by the slope of a distance by its bins.
@@ -245,21 +256,20 @@ impl Spectra {
         match self.frames[frame] {
             Place::Ringing(index, _) => {
                 let spectrum = &mut self.ringing[index];
-                for place in 0..spectrum.re.len() {
-                    let bin = place as i64 - MARGIN as i64;
-                    let (bin, is_mirrored) = if bin < 0 {
-                        (-bin, true)
-                    } else if bin >= bins as i64 {
-                        (2 * (bins as i64 - 1) - bin, true)
-                    } else {
-                        (bin, false)
-                    };
-                    let mut value = slope.at(bin as usize);
-                    if bin == 0 || bin + 1 == bins as i64 {
-                        value = C32::new(2.0 * value.re, 0.0);
+                let inner = MARGIN..MARGIN + bins;
+                spectrum.re[inner.clone()].copy_from_slice(&slope.re);
+                spectrum.im[inner].copy_from_slice(&slope.im);
+                let highest = bins - 1;
+                for bin in [0, highest] {
+                    spectrum.re[MARGIN + bin] = 2.0 * slope.re[bin];
+                    spectrum.im[MARGIN + bin] = 0.0;
+                }
+                for beyond in 1..=MARGIN {
+                    let mirrored = [(MARGIN - beyond, beyond), (MARGIN + highest + beyond, highest - beyond)];
+                    for (place, bin) in mirrored {
+                        spectrum.re[place] = slope.re[bin];
+                        spectrum.im[place] = -slope.im[bin];
                     }
-                    spectrum.re[place] = value.re;
-                    spectrum.im[place] = if is_mirrored { -value.im } else { value.im };
                 }
             }
             Place::Onset(index, _) => {

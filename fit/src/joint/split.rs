@@ -17,6 +17,11 @@ impl Split {
         Self { re: vec![0.0; length], im: vec![0.0; length] }
     }
 
+    /// An empty spectrum with room for `length` bins.
+    pub(super) fn with_capacity(length: usize) -> Self {
+        Self { re: Vec::with_capacity(length), im: Vec::with_capacity(length) }
+    }
+
     pub(super) fn clear(&mut self) {
         self.re.fill(0.0);
         self.im.fill(0.0);
@@ -46,18 +51,24 @@ impl Split {
 
     /// Sum `Σ self* · shape` from `first` on.
     pub(super) fn dot(&self, shape: &Self, first: usize) -> C32 {
-        let to = first + shape.re.len();
-        let (re, im) = (&self.re[first..to], &self.im[first..to]);
         const LANES: usize = 8;
-        let (mut sum_re, mut sum_im) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let chunks = re.chunks(LANES).zip(im.chunks(LANES));
-        for ((x, y), (a, b)) in chunks.zip(shape.re.chunks(LANES).zip(shape.im.chunks(LANES))) {
-            for lane in 0..x.len().min(LANES) {
-                sum_re[lane] += x[lane] * a[lane] + y[lane] * b[lane];
-                sum_im[lane] += x[lane] * b[lane] - y[lane] * a[lane];
+        let to = first + shape.re.len();
+        let ((x, x_rest), (y, y_rest)) =
+            (self.re[first..to].as_chunks::<LANES>(), self.im[first..to].as_chunks::<LANES>());
+        let ((a, a_rest), (b, b_rest)) = (shape.re.as_chunks::<LANES>(), shape.im.as_chunks::<LANES>());
+        let (mut re, mut im) = ([0.0f32; LANES], [0.0f32; LANES]);
+        for ((x, y), (a, b)) in x.iter().zip(y).zip(a.iter().zip(b)) {
+            for lane in 0..LANES {
+                re[lane] += x[lane] * a[lane] + y[lane] * b[lane];
+                im[lane] += x[lane] * b[lane] - y[lane] * a[lane];
             }
         }
-        C32::new(sum_re.iter().sum(), sum_im.iter().sum())
+        let rest = x_rest.iter().zip(y_rest).zip(a_rest.iter().zip(b_rest));
+        for ((re, im), ((x, y), (a, b))) in re.iter_mut().zip(&mut im).zip(rest) {
+            *re += x * a + y * b;
+            *im += x * b - y * a;
+        }
+        C32::new(re.iter().sum(), im.iter().sum())
     }
 }
 

@@ -58,15 +58,23 @@ impl PowerBlock {
     fn weigh(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (mut re, mut im, mut re_n, mut im_n) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
         let mut index = [0.0, 1.0, 2.0, 3.0];
-        for ((x, z_re), z_im) in samples.chunks(4).zip(self.re.chunks(4)).zip(self.im.chunks(4)) {
-            for lane in 0..x.len().min(4) {
-                let (a, b) = (x[lane] * z_re[lane], x[lane] * z_im[lane]);
-                re[lane] += a;
-                im[lane] += b;
-                re_n[lane] += a * index[lane];
-                im_n[lane] += b * index[lane];
-                index[lane] += 4.0;
+        let mut add = |x: f64, z_re: f64, z_im: f64, lane: usize| {
+            let (a, b) = (x * z_re, x * z_im);
+            re[lane] += a;
+            im[lane] += b;
+            re_n[lane] += a * index[lane];
+            im_n[lane] += b * index[lane];
+            index[lane] += 4.0;
+        };
+        let (fours, rest) = samples.as_chunks::<4>();
+        for ((x, z_re), z_im) in fours.iter().zip(self.re.as_chunks::<4>().0).zip(self.im.as_chunks::<4>().0) {
+            for lane in 0..4 {
+                add(x[lane], z_re[lane], z_im[lane], lane);
             }
+        }
+        let from = 4 * fours.len();
+        for (lane, ((x, z_re), z_im)) in rest.iter().zip(&self.re[from..]).zip(&self.im[from..]).enumerate() {
+            add(*x, *z_re, *z_im, lane);
         }
         let sum = |lanes: [f64; 4]| (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
         [Complex::new(sum(re), sum(im)), Complex::new(sum(re_n), sum(im_n))]

@@ -11,8 +11,8 @@ use super::audible::{Chosen, are_one};
 use super::loudest::with_partials;
 use crate::band::{Band, usual_edges_hz};
 use crate::distance::{Spectrogram, band_power};
-use crate::hearing::Loudness;
-use crate::joint::{Descent, Sounding, cancel};
+use crate::hearing::{Loudness, Partials};
+use crate::joint::{Descent, HELD, LOUDEST, Sounding, cancel};
 use crate::modes::{
     Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
     filled, refine,
@@ -28,6 +28,8 @@ const ROUNDS: usize = 4;
 const PARTS: usize = 10;
 /// Number of steps of the descent.
 const STEPS: usize = 100;
+/// Number of steps after which the nearest of several starts is known.
+const PROBING: usize = 15;
 /// Length of the strike whose loudness is compared, in seconds.
 const LONGEST_S: f64 = 4.0;
 /// Ridge of the least squares with which the descent begins: modes that are nearly alike share
@@ -37,6 +39,12 @@ const RIDGE: f64 = 2e-3;
 const REFINED_S: f64 = 2.0;
 /// Number of steps of each refinement.
 const REFINING: usize = 5;
+/// Lengths in seconds over which the modes of a long sound are refined once more.
+const LONGER_S: [f64; 2] = [4.0, 8.0];
+/// Share of such a length that a sound must have at least.
+const LEAST_SHARE: f64 = 0.75;
+/// Number of steps of each of these refinements.
+const REFINING_LONGER: usize = 3;
 /// Number of samples in the frames that measure the noise.
 const FRAME: usize = 1024;
 /// Number of these frames, which are denser at the beginning.
@@ -83,7 +91,7 @@ impl Heard<'_> {
     /// The descent begins at the audible modes. If these leave nothing but noise, the modes of most
     /// likelihood are the answer.
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
-        let audible = self.audible(settings);
+        let (audible, longer) = self.audible(settings);
         let (start, left) = self.start(self.poles(&audible))?;
         if left < LITTLE
             && let Some(exact) = self.exact(settings)
@@ -94,7 +102,16 @@ impl Heard<'_> {
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
         let mut descent =
             Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
-        let near = descent.run(&start, STEPS);
+        let mut starts = vec![start];
+        starts.extend(longer.into_iter().filter_map(|modes| Some(self.start(self.poles(&modes))?.0)));
+        if starts.len() > 1 {
+            let probed = starts.iter().map(|start| descent.run(start, PROBING).1);
+            let probed: Vec<f64> = probed.collect();
+            let best = (0..starts.len()).min_by(|&a, &b| probed[a].total_cmp(&probed[b])).unwrap_or(0);
+            starts.swap(0, best);
+        }
+        let start = &starts[0];
+        let (near, _) = descent.run(start, STEPS);
         Some(Near::Approached(audible_of(near)))
     }
 
@@ -135,8 +152,8 @@ impl Heard<'_> {
     ///
     /// Further ones come from what the first ones leave, by the loudness of that alone: a partial
     /// that beats with another adds no loudness to it. If a table may have still more, the most
-    /// significant ones are added.
-    fn audible(&self, settings: Settings) -> Vec<DampedSine> {
+    /// significant ones are added. The second set are these modes refined over a longer time.
+    fn audible(&self, settings: Settings) -> (Vec<DampedSine>, Vec<Vec<DampedSine>>) {
         let strike = self.strike();
         let ringing = self.ringing();
         let longest = |sound: &[f64]| sound.len().min((LONGEST_S * self.rate_hz) as usize);
@@ -156,9 +173,33 @@ impl Heard<'_> {
                 modes = filled.map_or(modes, |model| self.sines(&model));
             }
         }
+        let longer = self.refined_longer(&modes, ringing);
         // A refinement may leave drifts and clicks behind, which are no modes.
-        modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
-        with_partials(modes, &self.samples[..self.onset], strike, self.rate_hz, most)
+        let finished = |mut modes: Vec<DampedSine>| {
+            modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
+            with_partials(modes, &self.samples[..self.onset], strike, self.rate_hz, most)
+        };
+        (finished(modes), longer.into_iter().map(finished).collect())
+    }
+
+    /// Modes refined over more and more of the sound in which they ring.
+    ///
+    /// Slow modes that lie within some hertz of one another are told apart by how they beat, for
+    /// which the time of the first refinement is too short. `None` if the sound is no longer.
+    fn refined_longer(&self, modes: &[DampedSine], ringing: &[f64]) -> Vec<Vec<DampedSine>> {
+        let mut longer: Vec<Vec<DampedSine>> = Vec::new();
+        for seconds in LONGER_S {
+            let length = (seconds * self.rate_hz) as usize;
+            if (ringing.len() as f64) < LEAST_SHARE * length as f64 {
+                break;
+            }
+            let group = [Group::ringing(&ringing[..ringing.len().min(length)])];
+            let ending = Ending { steps: REFINING_LONGER, ridge: RIDGE, ..Ending::COARSE };
+            let poles = self.poles(longer.last().map_or(modes, |modes| modes));
+            let Some(model) = refine(&group, &poles, ending) else { break };
+            longer.push(self.sines(&model));
+        }
+        longer
     }
 
     fn part<'a>(&self, ringing: &'a [f64]) -> &'a [f64] {
@@ -216,12 +257,20 @@ impl Heard<'_> {
     /// Of two modes within their widths that cancel, the weaker is dropped.
     fn start(&self, mut poles: Vec<Pole>) -> Option<(Sounding, f64)> {
         let whole = self.strike();
+        let partials = Partials::new(&self.samples[..self.onset], whole, self.rate_hz).loudest(LOUDEST);
+        let partials: Vec<f64> = partials.iter().map(|(_, partial)| partial.frequency_hz).collect();
         let strike = &whole[..whole.len().min((LONGEST_S * self.rate_hz) as usize)];
         let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
         let group = [Group { stretches: vec![stretch] }];
         for round in 1.. {
             let model = refine(&group, &poles, Ending { steps: 0, ridge: RIDGE, ..Ending::COARSE })?;
-            let kept = without_cancelling(&model);
+            let nearest = |hz: &f64| {
+                let distance = |k: &usize| (model.poles[*k].frequency_hz(self.rate_hz) - hz).abs();
+                let nearest = (0..model.poles.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                nearest.filter(|nearest| distance(nearest) < HELD * hz)
+            };
+            let held: Vec<usize> = partials.iter().filter_map(nearest).collect();
+            let kept = without_cancelling(&model, &held);
             if round < ROUNDS && kept.len() < poles.len() {
                 poles = kept;
                 continue;
@@ -243,11 +292,11 @@ impl Heard<'_> {
 }
 
 /// Poles of a model without the weaker of each two modes that lie within their widths and cancel.
-fn without_cancelling(model: &Model) -> Vec<Pole> {
+fn without_cancelling(model: &Model, held: &[usize]) -> Vec<Pole> {
     let gains: Vec<Complex<f64>> = model.gains.iter().flat_map(|gains| gains.modes.clone()).collect();
     let energy = |k: &usize| gains[*k].norm_sqr() / model.poles[*k].decay;
     let mut order: Vec<usize> = (0..model.poles.len()).collect();
-    order.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
+    order.sort_by(|a, b| held.contains(b).cmp(&held.contains(a)).then(energy(b).total_cmp(&energy(a))));
     let mut kept: Vec<usize> = Vec::new();
     for index in order {
         let (pole, gain) = (model.poles[index], gains[index]);

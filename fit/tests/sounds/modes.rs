@@ -170,3 +170,25 @@ fn written_table_of_twenty_modes_is_as_exact_as_the_estimator() {
         assert!(errors[0] <= cents && errors[1] <= t60_percent && errors[2] <= db, "{noise_dbfs} dBFS: {errors:?}");
     }
 }
+
+#[test]
+fn slow_modes_within_ten_hertz_are_told_apart_in_a_sound_of_nine_seconds() {
+    let modes: Vec<DampedSine> = [(2_149.3, -12.0), (2_152.3, -20.0), (2_155.6, -18.0), (2_158.4, -16.0)]
+        .into_iter()
+        .enumerate()
+        .map(|(k, (hz, level_db))| sine(hz, 12.0, level_db, k as f64))
+        .collect();
+    let length = 9 * 44_100;
+    let mut sound = of_these(modes.clone(), length, 3, -80.0).samples;
+    // Noise that dies away keeps the modes from being exact.
+    let noise = of_these(Vec::new(), length, 4, -20.0).samples;
+    sound.iter_mut().zip(noise).enumerate().for_each(|(n, (x, noise))| *x += noise * (-(n as f64) / 15_000.0).exp());
+    let hit = fit::segment::Hit { onset: 0, end: length };
+    let fit = fit::strike::fit_sound(&sound, 44_100.0, &[hit], fit::strike::Settings::default()).expect("it has modes");
+    for mode in &modes {
+        let off = |found: &fit::strike::Mode| (found.frequency_hz - mode.frequency_hz).abs();
+        let nearest_hz = fit.modes.iter().map(off).fold(f64::INFINITY, f64::min);
+        println!("{:.1} Hz: a mode {nearest_hz:.3} Hz beside it, exact: {}", mode.frequency_hz, fit.is_exact);
+        assert!(nearest_hz < 0.1, "{mode:?}: {nearest_hz} Hz, {:?}", fit.modes);
+    }
+}

@@ -139,14 +139,20 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         fit::strike::Estimator::Bins => "bins",
     };
     let emergent = report.emergence_db.iter().filter(|db| **db >= fit::bark::EMERGENT_DB).count();
+    let with_mode = report.partials.iter().filter(|partial| partial.mode_hz.is_some()).count();
     let mut tiles = vec![
         ("Log-spectral distance", format!("{:.2} dB", summary.lsd_db)),
         ("... with residual", format!("{:.2} dB", summary.lsd_with_residual_db)),
         ("... in the room", report.lsd_with_room_db.map_or("none heard".to_owned(), |db| format!("{db:.2} dB"))),
         ("ERB distance", format!("{:.2} dB", report.erb_db)),
         ("... with residual", format!("{:.2} dB", report.erb_with_residual_db)),
+        ("... first 0.25 s", format!("{:.2} dB", report.hearing.early_erb_db)),
         ("Loudness error", format!("{:.3}", report.hearing.loudness_error)),
-        ("Audible partials matched", format!("{:.0} %", 100.0 * report.hearing.partials)),
+        ("... first 0.25 s", format!("{:.3}", report.hearing.early_loudness_error)),
+        ("Peak over the recording's", format!("{:+.1} dB", report.hearing.peak_db)),
+        ("First 3 ms over the recording's", format!("{:+.1} dB", report.hearing.attack_db)),
+        ("Audible partials with a mode", format!("{with_mode} of {}", report.partials.len())),
+        ("... at the right level", format!("{:.0} %", 100.0 * report.hearing.partials)),
         ("Modes", format!("{}, {emergent} emergent", summary.modes)),
         ("Frequencies", format!("{:.0} to {:.0} Hz", report.frequency_hz[0], report.frequency_hz[1])),
         ("T60", format!("{} to {} s", significant(summary.t60_s[0]), significant(summary.t60_s[1]))),
@@ -211,7 +217,7 @@ fn players(path: &Path, view: &View<'_>, sounds: &[Vec<f32>; 3]) -> Result<Strin
 /// Blind comparison of the recording with the fit; the script of the page fills it with life.
 const BLIND: &str = "<h2>Which one is it?</h2>\n<p class=\"blind\"><button type=\"button\">Play one of the two</button> \
     <button type=\"button\">It was the recording</button> <button type=\"button\">It was the fit</button> \
-    <output>0 of 0 right</output></p>\n";
+    <output>0 of 0 right; guesses are right half the time</output></p>\n";
 
 /// Table of the audible partials, the loudest first.
 fn partials(fitted: &Fitted) -> String {
@@ -239,16 +245,19 @@ fn strikes(fitted: &Fitted) -> String {
         .iter()
         .map(|strike| {
             format!(
-                "<tr><td>{:.3} s</td><td>{:.3} ms</td><td>{:.2} dB</td><td>{:.1} dB</td></tr>\n",
+                "<tr><td>{:.3} s</td><td>{:.3} ms</td><td>{}</td><td>{:.2} dB</td><td>{:.1} dB</td></tr>\n",
                 strike.at_s,
                 strike.contact_time_s * 1e3,
+                strike.contact_interval_s.map_or("measured".to_owned(), |[shortest, longest]| {
+                    format!("{:.2} to {:.2} ms", shortest * 1e3, longest * 1e3)
+                }),
                 strike.lsd_db,
                 strike.residual_db
             )
         })
         .collect();
     format!(
-        "<h2>Strikes</h2>\n<div class=\"scroll\"><table>\n<tr><th>at</th><th>contact time</th><th>LSD of the model</th><th>energy left</th></tr>\n{rows}</table></div>\n"
+        "<h2>Strikes</h2>\n<div class=\"scroll\"><table>\n<tr><th>at</th><th>contact time</th><th>possible by the sound</th><th>LSD of the model</th><th>energy left</th></tr>\n{rows}</table></div>\n"
     )
 }
 

@@ -13,20 +13,27 @@ if (blind && sounds.length > 1) {
   const score = blind.querySelector("output");
   const [play, ...answers] = blind.querySelectorAll("button");
   let hidden = null;
+  let copy = null;
   let [right, given] = [0, 0];
-  play.addEventListener("click", () => {
+  const stop = () => {
+    if (copy !== null) copy.pause();
     for (const sound of sounds) sound.pause();
+  };
+  play.addEventListener("click", () => {
+    stop();
     if (hidden === null) hidden = Math.floor(Math.random() * 2);
-    const copy = new Audio(pair[hidden].src);
+    copy = new Audio(pair[hidden].src);
     copy.play();
   });
   answers.forEach((answer, index) => {
     answer.addEventListener("click", () => {
       if (hidden === null) return;
+      stop();
       given += 1;
       if (index === hidden) right += 1;
+      const truth = hidden === 0 ? "the recording" : "the fit";
       hidden = null;
-      score.textContent = `${right} of ${given} right`;
+      score.textContent = `That was ${truth}. ${right} of ${given} right; guesses are right half the time`;
     });
   });
 }
