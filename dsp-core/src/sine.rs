@@ -1,16 +1,16 @@
 //! Sine, cosine and tangent in `f64`, in an eighth of the code of the general ones.
 //!
 //! An angle becomes the nearest number of quarter turns and a rest within π/4, for which Taylor
-//! series to x^17 serve. For angles of up to a million radians the error is below 5e-16; within π/4 it
-//! is below 5e-16 of the value. The bits are the same on every machine.
+//! series to x^17 serve. For angles of up to a million radians the error is below 5e-16; within π/4
+//! it is below 5e-16 of the value. The bits are the same on every machine.
 
 /// Quarter turns in a radian.
 const QUARTERS: f64 = core::f64::consts::FRAC_2_PI;
 
-/// The first 33 bits of π/2: whole numbers below 2^20 times this are exact.
+/// First 33 bits of π/2: whole numbers below 2^20 times this are exact.
 const QUARTER_HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
 
-/// What π/2 has beyond [`QUARTER_HIGH`].
+/// Rest of π/2 behind [`QUARTER_HIGH`].
 const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
 
 /// Sine of an angle in radians.
