@@ -78,7 +78,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let sheddable = rest.of(CostItem::KernelCycle) + guards;
             let amount = if predicted + survey_cycles - sheddable.min(predicted) > budget {
                 // If no group can be kept, there is nothing to choose.
-                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built / 3)]);
+                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
                 ShedAmount::All
             } else {
                 self.report.counts.add_all(survey);
@@ -170,11 +170,10 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)]
     fn listen(&mut self, direct: Option<Direct<'_>>) {
         let frames = self.frames_to_tick() as u8;
-        for ((voice, listening), number) in self.voices.iter().zip(&mut *self.listening).zip(0u8..) {
-            *listening = None;
-            if voice.sleeps && direct_input(direct, number) == 0.0 {
-                continue;
-            }
+        self.listening.fill(None);
+        for number in self.awake.pads() {
+            let index = usize::from(number);
+            let (Some(voice), Some(listening)) = (self.voices.get(index), self.listening.get_mut(index)) else { break };
             let (input, contact_samples) = self.contacts.ahead(number);
             let input = input + direct_input(direct, number);
             let used = if input > 0.0 { Use::Driven } else { Use::Free };
@@ -194,7 +193,8 @@ impl<S: Sample> Engine<'_, '_, S> {
             return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
         let (mut waking, mut due_groups, mut reached) = (0, 0, 0);
-        for voice in self.voices.iter().filter(|voice| !voice.rests()) {
+        let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
+        for voice in awake.filter(|voice| !voice.rests()) {
             waking += 1;
             due_groups += if voice.is_guard_due() { voice.group_count() as u32 } else { 0 };
             for bank in voice.banks().iter().filter(|bank| bank.is_being_reached()) {
@@ -231,7 +231,13 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     fn survey_counts(&self) -> [(CostItem, u32); 2] {
-        [(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built)]
+        [(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups())]
+    }
+
+    /// Number of register groups of the pads that are awake.
+    fn awake_groups(&self) -> u32 {
+        let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
+        awake.map(|voice| voice.group_count() as u32).sum()
     }
 
     fn frames_to_tick(&self) -> u32 {
@@ -248,6 +254,12 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Counts of the tick's rest, with the events that are known.
     #[inline(never)]
     fn rest_of_tick(&mut self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
+        let end = self.now + u64::from(self.frames_to_tick());
+        for event in upcoming.iter().take_while(|event| event.time.first_frame() < end) {
+            if event.action == Action::Strike {
+                self.wake(event.pad);
+            }
+        }
         let struck = core::mem::take(&mut self.struck);
         struck.fill(false);
         let total = self.count_rest_of_tick(upcoming, direct, struck);
@@ -290,15 +302,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             counts.add(CostItem::ResidualRun, noises);
             counts.add(CostItem::ResidualFrame, noises * frames);
         }
-        let (mut awake, mut sleeping) = (0, 0);
-        for (voice, number) in self.voices.iter().zip(0u8..) {
+        for number in self.awake.pads() {
+            let Some(voice) = self.voices.get(usize::from(number)) else { break };
+            counts.add(CostItem::Pad, 1);
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
             let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
-            if voice.sleeps && !struck && !is_direct {
-                sleeping += 1;
-                continue;
-            }
-            awake += 1;
             let pad_banks = voice.banks();
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_driven = contact_frames > 0 || is_direct;
@@ -345,7 +353,6 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::BusFrame, frames);
             }
         }
-        counts.add_all([(CostItem::Pad, awake), (CostItem::SleepingPad, sleeping)]);
     }
 
     /// Adds what pads in frames take of a run: their heads, and the buses of those whose strikers

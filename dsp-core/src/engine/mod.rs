@@ -11,6 +11,7 @@
 //! the tick behind them. All bookkeeping happens at ticks, so that the block size cannot change a
 //! bit. A [`TickReport`] tells what ran and what was skipped in each tick.
 
+mod awake;
 mod budget;
 mod check;
 mod cost;

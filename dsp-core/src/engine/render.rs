@@ -107,6 +107,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let frames = out.len();
         self.check(events, direct, frames)?;
         out.fill([0, 0]);
+        direct.iter().for_each(|direct| self.wake(direct.pad));
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
         while !out.is_empty() {

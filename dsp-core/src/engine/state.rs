@@ -1,5 +1,6 @@
 //! State of an engine, and what a caller can ask it between blocks.
 
+use super::awake::Awake;
 use super::fader::Fader;
 use super::held::Held;
 use super::report::TickReport;
@@ -41,6 +42,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) kit: Kit<'k>,
     /// Voices of the kit's pads.
     pub(super) voices: &'m mut [Voice<'k, 'm>],
+    /// Pads that are awake: all others have nothing to do.
+    pub(super) awake: Awake<'m>,
     pub(super) contacts: ActiveContacts<'m>,
     /// Work and sound of all pads in frames; `None` if there is none.
     pub(super) frames: Option<&'m mut FrameMixer<'m>>,

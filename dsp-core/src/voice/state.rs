@@ -47,9 +47,6 @@ pub struct Voice<'k, 'm> {
     pub(super) is_choke_wanted: bool,
     pub(super) is_choked: bool,
     pub(super) struck: bool,
-    /// True if nothing rings on a plain pad and no force acts on it: runs pass it over until an
-    /// event or a direct force wakes it.
-    pub(crate) sleeps: bool,
     /// Slot of the latest strike.
     pub(super) direct_slot: u8,
     /// Number of coming ticks in which no bank has anything to do.
@@ -116,7 +113,6 @@ impl Voice<'_, '_> {
             is_choke_wanted: false,
             is_choked: false,
             struck: false,
-            sleeps: false,
             direct_slot: 0,
             rest_ticks: 0,
             passed_ticks: 0,
@@ -329,6 +325,11 @@ impl Voice<'_, '_> {
     /// True if the next tick guards any group, provided that no more force comes before it.
     pub fn is_guard_due(&self) -> bool {
         self.rest_ticks == 0 && self.banks.iter().any(|bank| bank.is_guard_due(self.passed_ticks))
+    }
+
+    /// True if a pad that no force acts on has nothing to do: neither sound nor books.
+    pub(crate) fn can_sleep(&self) -> bool {
+        self.is_plain && !self.is_ringing() && self.retired_amplitude == 0.0 && !self.is_being_reached()
     }
 
     /// True if no bank has anything to do at the coming tick.

@@ -106,7 +106,7 @@ fn half_words_stay_in_their_slots(count: usize) {
     let at_s = |restart: usize| FIRST_S + 0.1 + 0.01 * restart as f64 + (restart as f64 * golden).fract() / 48_000.0;
     let seconds = at_s(count);
     let hits: Vec<(f64, f32)> =
-        (0..).map(|n| (0.38 + f64::from(n), 0.9)).take_while(|(at_s, _)| *at_s < seconds - 0.05).collect();
+        (0..).map(|n| (0.38 + 0.25 * f64::from(n), 0.9)).take_while(|(at_s, _)| *at_s < seconds - 0.05).collect();
     for board in Board::ALL {
         let setup = Setup {
             piezos: vec![signal(0, seconds, &hits)],
