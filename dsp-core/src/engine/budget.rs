@@ -12,24 +12,14 @@
 use super::cost::{CostItem, Counts};
 use super::render::next_news;
 use super::setup::Skipping;
+use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
 use crate::event::{Action, Event, Time};
 use crate::frames::InFrames;
-use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
+use crate::resonator::{Bank, Use};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
-
-/// Amount of work to shed.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ShedAmount {
-    /// All register groups.
-    All,
-    /// A number of register groups, the quietest.
-    Groups(u16),
-    /// The quietest register groups, as many as free a number of cycles.
-    Cycles(u32),
-}
 
 impl<S: Sample> Engine<'_, '_, S> {
     /// Sets the cycles that a tick of 32 frames may take, or takes the limit away. 80 % of 168 MHz
@@ -112,79 +102,6 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.counts += &counts;
     }
 
-    /// Sheds the quietest of the register groups that would run.
-    #[inline(never)] // its tables must not lie on the stack beside those of the prediction
-    pub(super) fn shed(&mut self, amount: ShedAmount, direct: Option<Direct<'_>>) -> Shed {
-        self.listen(direct);
-        let shed = match amount {
-            ShedAmount::All => self.shed_chosen(ShedChoice::ALL),
-            _ => self.shed_quietest(amount),
-        };
-        self.report.shed += shed;
-        shed
-    }
-
-    /// Surveys all groups and sheds the quietest; [`ShedAmount::All`] needs no survey.
-    #[inline(never)]
-    fn shed_quietest(&mut self, amount: ShedAmount) -> Shed {
-        let levels = core::mem::take(&mut self.levels);
-        let mut plan = ShedPlan::new(levels);
-        for (voice, listening) in self.voices.iter().zip(&*self.listening) {
-            match listening {
-                Some((audience, run)) => {
-                    voice.banks().iter().for_each(|bank| bank.plan_shedding(audience, *run, &mut plan))
-                }
-                None => plan.pass_over(voice.group_count()),
-            }
-        }
-        let count = match amount {
-            ShedAmount::All => u16::MAX,
-            ShedAmount::Groups(count) => count,
-            ShedAmount::Cycles(excess) => plan.quietest_that_free(excess),
-        };
-        let (choice, cycles_below) = plan.quietest(count);
-        let mut shed = self.shed_chosen(choice);
-        shed.cycles += cycles_below;
-        self.levels = plan.into_levels();
-        shed
-    }
-
-    /// Sheds the chosen register groups of all pads.
-    #[inline(never)] // one copy for both callers
-    fn shed_chosen(&mut self, mut choice: ShedChoice<'_>) -> Shed {
-        let mut shed = Shed::default();
-        for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
-            let Some((audience, run)) = listening else {
-                choice.pass_over(voice.group_count());
-                continue;
-            };
-            voice.wake();
-            for bank in &mut *voice.banks {
-                shed += bank.shed(audience, *run, &mut choice);
-            }
-        }
-        shed
-    }
-
-    /// Notes for each pad that sounds how it is heard and how it will run.
-    #[inline(never)]
-    fn listen(&mut self, direct: Option<Direct<'_>>) {
-        let frames = self.frames_to_tick() as u8;
-        self.listening.fill(None);
-        for number in self.awake.pads() {
-            let index = usize::from(number);
-            let (Some(voice), Some(listening)) = (self.voices.get(index), self.listening.get_mut(index)) else { break };
-            let (input, contact_samples) = self.contacts.ahead(number);
-            let input = input + direct_input(direct, number);
-            let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            *listening = (used == Use::Driven || voice.is_ringing()).then(|| {
-                let guard = if voice.expects() { CostItem::GuardedGroup.cycles() as u16 } else { 0 };
-                let audience = Audience::new(voice.unit(), input, contact_samples);
-                (audience, UpcomingRun { used, frames, guard })
-            });
-        }
-    }
-
     /// Counts of a tick's beginning.
     #[inline(never)]
     pub(super) fn beginning(&self) -> [(CostItem, u32); 5] {
@@ -240,7 +157,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         awake.map(|voice| voice.group_count() as u32).sum()
     }
 
-    fn frames_to_tick(&self) -> u32 {
+    pub(super) fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
     }
 
@@ -387,7 +304,7 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards: with them the busiest half of the BlackPill
-/// ends at 96 % of its time (`cargo test -p virtual-board --test boards load`).
+/// ends at 80 % of its time (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
 /// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's
@@ -395,7 +312,7 @@ const KEPT_FREE: [u32; 2] = [635, 1670];
 const FREE_CHOKED_MODES: u32 = 32;
 
 /// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
-fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
+pub(super) fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
     let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
     force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
 }

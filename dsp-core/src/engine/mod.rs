@@ -25,6 +25,7 @@ mod plan;
 mod render;
 mod report;
 mod setup;
+mod shedding;
 mod silence;
 mod stage;
 mod stages;

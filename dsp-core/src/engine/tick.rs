@@ -1,9 +1,9 @@
 //! Work within a tick: its beginning, its events, its runs of frames, its end.
 
-use super::budget::ShedAmount;
 use super::cost::CostItem;
 use super::report::TickReport;
 use super::setup::Skipping;
+use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
 use crate::contact::{ActiveContacts, Contact};
 use crate::event::{Action, Event};
