@@ -13,7 +13,7 @@ use super::cost::{CostItem, Counts};
 use super::render::next_news;
 use super::setup::Skipping;
 use super::shedding::ShedAmount;
-use super::state::{Direct, Engine};
+use super::state::{Direct, Engine, direct_input};
 use crate::event::{Action, Event, Time};
 use crate::frames::InFrames;
 use crate::resonator::{Bank, Use};
@@ -304,15 +304,9 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards: with them the busiest half of the BlackPill
-/// ends at 80 % of its time (`cargo test -p virtual-board --test boards load`).
+/// ends at 88 % of its time (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
 /// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's
 /// bank and one striker's. A board's tick is at least twice as long as its budget.
 const FREE_CHOKED_MODES: u32 = 32;
-
-/// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
-pub(super) fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
-    let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
-    force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
-}

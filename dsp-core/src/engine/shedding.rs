@@ -1,8 +1,7 @@
 //! Shedding: the quietest register groups of all pads are left out until they are struck again.
 
-use super::budget::direct_input;
 use super::cost::CostItem;
-use super::state::{Direct, Engine};
+use super::state::{Direct, Engine, direct_input};
 use crate::resonator::{Audience, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
 

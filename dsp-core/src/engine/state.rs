@@ -34,6 +34,12 @@ pub struct Direct<'a> {
     pub force: &'a [i32],
 }
 
+/// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
+pub(super) fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
+    let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
+    force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
+}
+
 /// A whole instrument with its kit, in lent memory ([`Engine::new`]).
 ///
 /// `S` is the sample type of the room's delay lines: `i16` on boards, `i32` where memory is cheap.

@@ -23,8 +23,8 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The F407 board takes 75.3 %, the
-        // BlackPill 80.1 %; both move by some percent with what is left out.
+        // The limit leaves a margin before a half is missed. The F407 board takes 73.1 %, the
+        // BlackPill 87.8 %; both move by some percent with what is left out.
         assert!(load <= 0.90, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
