@@ -107,10 +107,10 @@ impl<S: Sample> Engine<'_, '_, S> {
         let frames = out.len();
         self.check(events, direct, frames)?;
         out.fill([0, 0]);
-        direct.iter().for_each(|direct| self.wake(direct.pad));
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
         while !out.is_empty() {
+            direct.iter().for_each(|direct| self.wake(direct.pad));
             let mut news = self.now.is_multiple_of(TICK_FRAMES as u64);
             if news {
                 self.begin_tick(direct);

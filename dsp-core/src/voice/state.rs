@@ -329,7 +329,8 @@ impl Voice<'_, '_> {
 
     /// True if a pad that no force acts on has nothing to do: neither sound nor books.
     pub(crate) fn can_sleep(&self) -> bool {
-        self.is_plain && !self.is_ringing() && self.retired_amplitude == 0.0 && !self.is_being_reached()
+        let is_silent = self.frames.is_none() && !self.is_ringing() && !self.filters_join_in(false);
+        is_silent && self.retired_amplitude == 0.0 && !self.is_being_reached()
     }
 
     /// True if no bank has anything to do at the coming tick.
