@@ -11,7 +11,6 @@
 //! the tick behind them. All bookkeeping happens at ticks, so that the block size cannot change a
 //! bit. A [`TickReport`] tells what ran and what was skipped in each tick.
 
-mod awake;
 mod budget;
 mod check;
 mod cost;
@@ -25,7 +24,6 @@ mod plan;
 mod render;
 mod report;
 mod setup;
-mod shedding;
 mod silence;
 mod stage;
 mod stages;
