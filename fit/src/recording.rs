@@ -293,9 +293,11 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
 
 /// Contact times that a strike's sound allows; `None` if the force was measured.
 fn contact_interval_s(recording: &Recording, strike: &strike::Strike) -> Option<[f64; 2]> {
+    if recording.force.is_some() {
+        return None;
+    }
     let sound = recording.samples.get(strike.hit.onset..strike.hit.end)?;
-    let interval_s = contact::contact_interval_s(sound, recording.rate_hz);
-    interval_s.filter(|_| recording.force.is_none())
+    contact::contact_interval_s(sound, recording.rate_hz)
 }
 
 /// Audible partials beside a rendering and its modes.

@@ -17,7 +17,7 @@ use fourier::Complex;
 use crate::band::Band;
 use crate::contact;
 use crate::error::FitError;
-use crate::hearing::{Heard, Partial};
+use crate::hearing::{ATTACK_S, Heard, Partial};
 use crate::joint::{self, HELD, LOUDEST};
 use crate::modes::{Basis, Pole, Stretch};
 use crate::stages::{self, RecordedStrike};
@@ -34,8 +34,6 @@ const MOST_CHANGE_DB: f64 = 9.0;
 const MOST_OVER_DB: f64 = 3.0;
 /// Level over the recording's to which a peak or an attack is lowered, in dB.
 const WANTED_OVER_DB: f64 = 2.7;
-/// Length of the attack in seconds.
-const ATTACK_S: f64 = 0.003;
 /// Largest share of its gain that a mode loses in one round.
 const MOST_LOSS: f64 = 0.9;
 /// Largest share of all parts that is taken away in one round.

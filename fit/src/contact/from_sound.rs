@@ -53,17 +53,19 @@ pub fn contact_time_s(strike: &[f64], rate_hz: f64) -> Option<f64> {
     Some((sum / weights).exp())
 }
 
-/// Shortest and longest contact time in seconds that a strike's sound allows, from the sound alone.
+/// Interval of contact times, in seconds, that agree with the sound of a strike.
 ///
 /// `None` if there is too little sound or bandwidth for five bands.
 ///
-/// The tilt of the object's response is not known: every tilt from 3 dB an octave down to 9 dB an
-/// octave up counts alike, with levels that scatter by 8 dB. The interval holds 90 % of the contact
-/// times weighted by that likelihood, and reaches further by a factor of 1.7 on either side: no
-/// object's response is a straight line. It holds the measured contact times of all 18 strikes of
-/// the two impact-hammer recordings (`cargo test -p fit --test sounds hammer -- --nocapture`), on
-/// which the factor was chosen. A response that falls with frequency, as that of 20 equally strong
-/// modes whose decay rises, lets the contact seem up to 1.5 times longer than the interval allows.
+/// The object's response may fall by 3 dB an octave, rise by 9 dB, or lie between them: each of
+/// nine tilts is equally likely. Levels of bands scatter by 8 dB. By this likelihood the interval
+/// holds 90 % of the contact times that are tried. Its ends then move out by a factor of 1.7,
+/// because a real response is no straight line.
+///
+/// The interval holds the measured contact times of all 18 strikes of the two impact-hammer
+/// recordings (`cargo test -p fit --test sounds hammer -- --nocapture`). The factor was chosen on
+/// these strikes. The interval is about a factor of ten wide. It can be too short if the response
+/// falls with frequency.
 pub fn contact_interval_s(strike: &[f64], rate_hz: f64) -> Option<[f64; 2]> {
     let bands = Bands::new(strike, rate_hz)?;
     let misfits: Vec<(f64, [f64; 9])> = tried_s().map(|time_s| (time_s, bands.misfits(time_s, TILTS))).collect();

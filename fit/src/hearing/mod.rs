@@ -31,7 +31,7 @@ pub use partials::{Partial, Partials};
 pub(crate) const LOUDNESS_S: f64 = 4.0;
 
 /// Length of the attack whose level is compared, in seconds.
-const ATTACK_S: f64 = 0.003;
+pub(crate) const ATTACK_S: f64 = 0.003;
 /// Magnitude that stands for silence: -180 dBFS.
 const SILENCE: f64 = 1e-9;
 

@@ -27,10 +27,9 @@ const PARTIALS_WEIGHT: f64 = 0.3;
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
 /// Weight of the levels of the loudest partials.
 const LOUDEST_WEIGHT: f64 = 0.3;
-/// Number of frames that are compared after the first 0.25 s. They are evenly spread up to the time
-/// at which the comparison of loudness ends.
+/// Number of frames from 0.25 s to 4 s.
 const LATER_FRAMES: usize = 30;
-/// Number of frames behind that time.
+/// Number of frames after 4 s.
 const LAST_FRAMES: usize = 20;
 /// Bins at which the bands of the attack's frames begin.
 const ATTACK_BINS: [f64; 9] = [0.0, 2.5, 4.5, 7.5, 11.5, 16.5, 24.5, 36.5, 64.5];
