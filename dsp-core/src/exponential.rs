@@ -20,6 +20,12 @@ pub(crate) fn power_of_two(x: f64) -> f64 {
     power * (1.0 - loss((whole - x) * core::f64::consts::LN_2))
 }
 
+/// Power `base^exponent` of a base that is at least 0, for results in the range of `f64`. The
+/// relative error is below 4e-16 times the power's logarithm, and 4e-16.
+pub(crate) fn power(base: f64, exponent: f64) -> f64 {
+    if base > 0.0 { libm::exp(exponent * libm::log(base)) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

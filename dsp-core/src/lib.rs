@@ -31,8 +31,8 @@ pub mod waveguide;
 mod clear;
 mod exponential;
 mod fourier;
-mod quarter_turn;
 mod rate;
+mod sine;
 mod square_root;
 
 pub use rate::SampleRate;

@@ -5,6 +5,8 @@ use core::fmt;
 
 use super::design::{Biquad, Root};
 use crate::SampleRate;
+use crate::square_root::length;
+use crate::{exponential, sine};
 
 /// A band whose edges follow the strike's level, its peak force over the reference force.
 ///
@@ -70,7 +72,7 @@ impl Exciter {
 
     /// Edges in Hz for a strike of a level (0 to 1): moved together, at most to 0.49 fs.
     pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
-        let factor = libm::pow(level.clamp(libm::exp2(-31.0), 1.0), self.exponent) / rate.hz();
+        let factor = exponential::power(level.clamp(libm::exp2(-31.0), 1.0), self.exponent) / rate.hz();
         let high = (self.high_hz * factor).clamp(2.0 * Self::LEAST_EDGE, Self::LARGEST_EDGE);
         let low = (self.low_hz * factor).clamp(Self::LEAST_EDGE, high / Self::LEAST_RATIO);
         [low, high].map(|edge| edge * rate.hz())
@@ -98,7 +100,7 @@ pub fn band_pass(low_hz: f64, high_hz: f64, rate: SampleRate) -> Result<[Biquad;
     if !(0.0 < low_hz && low_hz < high_hz && high_hz < nyquist_hz) {
         return Err(BandError { low_hz, high_hz, nyquist_hz });
     }
-    let warp = |hz: f64| libm::tan(core::f64::consts::PI * hz / rate.hz());
+    let warp = |hz: f64| sine::tan(core::f64::consts::PI * hz / rate.hz());
     let (low, high) = (warp(low_hz), warp(high_hz));
     let (width, middle_squared) = (high - low, low * high);
     // The prototype's pole (-1 + i)/√2, low-pass to band-pass: s² - p B s + ω0² = 0.
@@ -116,10 +118,10 @@ pub fn band_pass(low_hz: f64, high_hz: f64, rate: SampleRate) -> Result<[Biquad;
         let pole = Root { real: (1.0 - s.square()) / below, imaginary: 2.0 * s.imaginary / below };
         // |1 - z⁻²| / |1 - 2 Re p z⁻¹ + |p|² z⁻²| at the middle.
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
-        let above = libm::hypot(1.0 - double_cosine, double_sine);
+        let above = length(1.0 - double_cosine, double_sine);
         let real = 1.0 - 2.0 * pole.real * cosine + pole.square() * double_cosine;
         let imaginary = 2.0 * pole.real * sine - pole.square() * double_sine;
-        let gain = libm::hypot(real, imaginary) / above;
+        let gain = length(real, imaginary) / above;
         Biquad { pole, numerator: [gain, 0.0, -gain] }
     }))
 }

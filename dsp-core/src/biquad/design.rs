@@ -1,5 +1,7 @@
 //! A biquad as poles and zeros, and the reasons to refuse one.
 
+use crate::sine;
+use crate::square_root::length;
 use core::fmt;
 
 /// One of a pair of conjugate roots in the z-plane, `real ± i·imaginary`.
@@ -14,7 +16,7 @@ pub struct Root {
 impl Root {
     /// Makes a root from magnitude and angle in radians.
     pub fn polar(radius: f64, angle: f64) -> Self {
-        Self { real: radius * libm::cos(angle), imaginary: radius * libm::sin(angle) }
+        Self { real: radius * sine::cos(angle), imaginary: radius * sine::sin(angle) }
     }
 
     /// Square of the magnitude, `|z|²`.
@@ -162,7 +164,7 @@ impl Biquad {
         if ![pole.real, pole.imaginary, b0, b1, b2].iter().all(|x| x.is_finite()) {
             return Err(BiquadError::NotFinite { biquad: index });
         }
-        let radius = libm::hypot(pole.real, pole.imaginary);
+        let radius = length(pole.real, pole.imaginary);
         if radius > Self::MAX_POLE_RADIUS {
             return Err(BiquadError::UnstablePole { biquad: index, radius });
         }

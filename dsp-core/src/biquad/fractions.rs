@@ -21,6 +21,7 @@
 //! cluster. Neither needs a difference of near poles as a divisor.
 
 use super::design::{Biquad, Root};
+use crate::square_root::length;
 
 /// A pole as some arithmetic realises it: `D = z² - (2 - δ - e²) z + 1 - δ`, and an input into u
 /// reaches v times `entry`.
@@ -140,7 +141,7 @@ fn clusters(chain: &[Biquad]) -> [u8; 4] {
 /// a row would lose more than that, because one rings to another's rounding.
 fn are_near(one: Root, other: Root) -> bool {
     let width = |pole: Root| 1.0 - libm::sqrt(pole.square());
-    let distance = libm::hypot(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
+    let distance = length(one.real - other.real, one.imaginary.abs() - other.imaginary.abs());
     width(one).min(width(other)) > 0.6 * distance
 }
 
@@ -159,7 +160,7 @@ fn in_common<P: Realised>(chain: &[Biquad], clusters: &[u8; 4], label: u8) -> Op
 fn coupling<P: Realised>(pole: P, root: Root) -> f64 {
     let radius = libm::sqrt(root.square());
     let width = 1.0 - radius;
-    let there = width * libm::hypot(width, 2.0 * root.imaginary.abs());
+    let there = width * length(width, 2.0 * root.imaginary.abs());
     let louder = if width < 0.01 { 4.0 } else { 1.0 };
     pole.handed(louder * there.min(pole.step_squared()))
 }

@@ -2,6 +2,8 @@
 
 use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
+use crate::square_root::length;
+use crate::{exponential, sine};
 use core::f64::consts::PI;
 
 /// Largest ratio of a pole's frequency to half the rate at which the pole is moved to half the
@@ -103,17 +105,13 @@ fn angle(root: Root) -> f64 {
 /// Raises a root to the power `ratio`; its angle becomes at most half a turn.
 fn raised(root: Root, ratio: f64) -> Root {
     let turned = angle(root) * ratio;
-    let radius = power(libm::sqrt(root.square()), ratio);
+    let radius = exponential::power(libm::sqrt(root.square()), ratio);
     if turned >= PI { Root { real: -radius, imaginary: 0.0 } } else { Root::polar(radius, turned) }
 }
 
 /// Raises the size of a real number to the power `ratio`, and keeps its sign.
 fn raised_real(real: f64, ratio: f64) -> f64 {
-    libm::copysign(power(real.abs(), ratio), real)
-}
-
-fn power(radius: f64, ratio: f64) -> f64 {
-    if radius > 0.0 { libm::exp(ratio * libm::log(radius)) } else { 0.0 }
+    libm::copysign(exponential::power(real.abs(), ratio), real)
 }
 
 /// Product `|1 - r e^{i(α-θ)}| |1 - r e^{i(α+θ)}|` of the distances of roots `r e^{±iα}` from
@@ -125,7 +123,7 @@ fn distances(root: Root, theta: f64) -> f64 {
     let (radius, alpha) = (libm::sqrt(root.square()), angle(root));
     let distance = |between: f64| {
         // |1 - r e^{iβ}|² = (1 - r)² + 4 r sin²(β/2).
-        let sine = libm::sin(between / 2.0);
+        let sine = sine::sin(between / 2.0);
         libm::sqrt((1.0 - radius) * (1.0 - radius) + 4.0 * radius * sine * sine)
     };
     distance(alpha - theta) * distance(alpha + theta)
@@ -133,8 +131,8 @@ fn distances(root: Root, theta: f64) -> f64 {
 
 /// Size `|b0 + b1 z⁻¹ + b2 z⁻²|` on the circle at the angle θ.
 fn size([b0, b1, b2]: [f64; 3], theta: f64) -> f64 {
-    libm::hypot(
-        b0 + b1 * libm::cos(theta) + b2 * libm::cos(2.0 * theta),
-        b1 * libm::sin(theta) + b2 * libm::sin(2.0 * theta),
+    length(
+        b0 + b1 * sine::cos(theta) + b2 * sine::cos(2.0 * theta),
+        b1 * sine::sin(theta) + b2 * sine::sin(2.0 * theta),
     )
 }

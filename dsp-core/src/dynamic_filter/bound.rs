@@ -6,6 +6,7 @@
 
 use super::path::Form;
 use super::point::Point;
+use crate::sine;
 use crate::square_root::square_root;
 use crate::waveguide::Tuned;
 
@@ -24,7 +25,7 @@ pub(super) struct Angle {
 
 impl Angle {
     pub(super) fn new(omega: f64) -> Self {
-        let (sine, cosine) = (libm::sin(0.5 * omega), libm::cos(0.5 * omega));
+        let (sine, cosine) = (sine::sin(0.5 * omega), sine::cos(0.5 * omega));
         Self {
             cosine: (cosine * cosine - sine * sine) as f32,
             sine: (2.0 * sine * cosine) as f32,

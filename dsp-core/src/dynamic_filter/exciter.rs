@@ -30,6 +30,7 @@ use crate::SampleRate;
 use crate::biquad::butterworth::{BandError, Exciter};
 use crate::fixed::{Log2, times_q31};
 use crate::square_root::rounded_root;
+use crate::{exponential, sine};
 
 /// Band-pass of the exciter: two sections.
 #[derive(Clone, Copy, Debug)]
@@ -166,9 +167,9 @@ impl BandPass {
 /// everything fits anyway.
 fn input_bits(exciter: &Exciter, rate: SampleRate) -> i32 {
     let [low, high] = [exciter.low_hz, exciter.high_hz].map(|hz| hz / rate.hz());
-    let [loudest, softest] = [2.0, 0.4].map(|level| libm::pow(level, exciter.exponent));
+    let [loudest, softest] = [2.0, 0.4].map(|level| exponential::power(level, exciter.exponent));
     let factor = loudest.max(softest).min(Exciter::LARGEST_EDGE / high);
-    let [low, high] = [low, high].map(|edge| libm::tan(core::f64::consts::PI * factor * edge));
+    let [low, high] = [low, high].map(|edge| sine::tan(core::f64::consts::PI * factor * edge));
     if (high - low) * (high - low) > 0.99 * low * high { 25 } else { 27 }
 }
 

@@ -16,6 +16,7 @@ use super::limits::{CARRIED, Limits, MAX_TIME_S, MIN_REAL_POLE, OF_TABLE};
 use super::settings::Breakpoint;
 use crate::SampleRate;
 use crate::memory::{Memory, OutOfMemory, Region};
+use crate::square_root::length;
 use crate::table::range::BREAKPOINTS;
 
 /// Exponent of two to which |e| is clipped: 2.0 in Q27.
@@ -334,7 +335,7 @@ pub(super) fn derive(order: u8, point: &Breakpoint, breakpoint: usize, limits: L
                 let imaginary = libm::sqrt(-rest);
                 // With the residue r: n1 = 2 Re r, n2 = -2 Re r p*, g = 2 r.
                 let g = [n1, -(n2 + n1 * middle) / imaginary];
-                let ring = libm::hypot(g[0], g[1]) / (1.0 - size);
+                let ring = length(g[0], g[1]) / (1.0 - size);
                 let parameters = [middle, imaginary, g[0], g[1], b0];
                 Derived { form: Form::Conjugate, parameters, direct: b0.abs(), ring, inner: 1.0 }
             } else {

@@ -3,6 +3,7 @@
 use super::limits::CARRIED;
 use super::path::{Form, PARAMETERS, derive};
 use super::settings::Breakpoint;
+use crate::square_root::length;
 
 /// The filter at a point of the path.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +31,7 @@ impl Point {
         let [p0, p1, ..] = self.at;
         match self.form {
             Form::EqualZeros | Form::OnePole => [real(1.0 + p0); 2],
-            Form::Conjugate => [(libm::atan2(p1.abs(), p0), 1.0 - libm::hypot(p0, p1)); 2],
+            Form::Conjugate => [(libm::atan2(p1.abs(), p0), 1.0 - length(p0, p1)); 2],
             Form::Real => [real(p0), real(p1)],
         }
     }
@@ -63,7 +64,7 @@ impl Point {
                 sum(ring, (p4, 0.0))
             }
         };
-        libm::hypot(response.0, response.1)
+        length(response.0, response.1)
     }
 }
 

@@ -10,6 +10,7 @@ use super::bound::{self, Angle};
 use super::point::Point;
 use super::settings::Breakpoint;
 use crate::SampleRate;
+use crate::sine;
 use crate::table::range;
 use crate::waveguide::{LoopError, Tuned};
 
@@ -58,7 +59,7 @@ pub(super) fn check(
     };
     let gain_at_most = largest_gain as f32;
 
-    let at = |omega: f64| (libm::cos(omega), libm::sin(omega));
+    let at = |omega: f64| (sine::cos(omega), sine::sin(omega));
     let of_loops = |omega: f64| loops.iter().map(|tuned| tuned.magnitude(at(omega))).sum::<f64>();
     let refuse_above = |gain: f64, omega: f64| {
         let frequency_hz = omega * rate.hz() / TAU;

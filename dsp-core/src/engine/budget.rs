@@ -12,24 +12,14 @@
 use super::cost::{CostItem, Counts};
 use super::render::next_news;
 use super::setup::Skipping;
-use super::state::{Direct, Engine};
+use super::shedding::ShedAmount;
+use super::state::{Direct, Engine, direct_input};
 use crate::event::{Action, Event, Time};
 use crate::frames::InFrames;
-use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
+use crate::resonator::{Bank, Use};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
-
-/// Amount of work to shed.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ShedAmount {
-    /// All register groups.
-    All,
-    /// A number of register groups, the quietest.
-    Groups(u16),
-    /// The quietest register groups, as many as free a number of cycles.
-    Cycles(u32),
-}
 
 impl<S: Sample> Engine<'_, '_, S> {
     /// Sets the cycles that a tick of 32 frames may take, or takes the limit away. 80 % of 168 MHz
@@ -78,7 +68,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let sheddable = rest.of(CostItem::KernelCycle) + guards;
             let amount = if predicted + survey_cycles - sheddable.min(predicted) > budget {
                 // If no group can be kept, there is nothing to choose.
-                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built / 3)]);
+                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
                 ShedAmount::All
             } else {
                 self.report.counts.add_all(survey);
@@ -112,76 +102,6 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.counts += &counts;
     }
 
-    /// Sheds the quietest of the register groups that would run.
-    #[inline(never)] // its tables must not lie on the stack beside those of the prediction
-    pub(super) fn shed(&mut self, amount: ShedAmount, direct: Option<Direct<'_>>) -> Shed {
-        self.listen(direct);
-        let shed = match amount {
-            ShedAmount::All => self.shed_chosen(ShedChoice::ALL),
-            _ => self.shed_quietest(amount),
-        };
-        self.report.shed += shed;
-        shed
-    }
-
-    /// Surveys all groups and sheds the quietest; [`ShedAmount::All`] needs no survey.
-    #[inline(never)]
-    fn shed_quietest(&mut self, amount: ShedAmount) -> Shed {
-        let levels = core::mem::take(&mut self.levels);
-        let mut plan = ShedPlan::new(levels);
-        for (voice, listening) in self.voices.iter().zip(&*self.listening) {
-            match listening {
-                Some((audience, run)) => {
-                    voice.banks().iter().for_each(|bank| bank.plan_shedding(audience, *run, &mut plan))
-                }
-                None => plan.pass_over(voice.group_count()),
-            }
-        }
-        let count = match amount {
-            ShedAmount::All => u16::MAX,
-            ShedAmount::Groups(count) => count,
-            ShedAmount::Cycles(excess) => plan.quietest_that_free(excess),
-        };
-        let (choice, cycles_below) = plan.quietest(count);
-        let mut shed = self.shed_chosen(choice);
-        shed.cycles += cycles_below;
-        self.levels = plan.into_levels();
-        shed
-    }
-
-    /// Sheds the chosen register groups of all pads.
-    #[inline(never)] // one copy for both callers
-    fn shed_chosen(&mut self, mut choice: ShedChoice<'_>) -> Shed {
-        let mut shed = Shed::default();
-        for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
-            let Some((audience, run)) = listening else {
-                choice.pass_over(voice.group_count());
-                continue;
-            };
-            voice.wake();
-            for bank in &mut *voice.banks {
-                shed += bank.shed(audience, *run, &mut choice);
-            }
-        }
-        shed
-    }
-
-    /// Notes for each pad that sounds how it is heard and how it will run.
-    #[inline(never)]
-    fn listen(&mut self, direct: Option<Direct<'_>>) {
-        let frames = self.frames_to_tick() as u8;
-        for ((voice, listening), number) in self.voices.iter().zip(&mut *self.listening).zip(0u8..) {
-            let (input, contact_samples) = self.contacts.ahead(number);
-            let input = input + direct_input(direct, number);
-            let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            *listening = (used == Use::Driven || voice.is_ringing()).then(|| {
-                let guard = if voice.expects() { CostItem::GuardedGroup.cycles() as u16 } else { 0 };
-                let audience = Audience::new(voice.unit(), input, contact_samples);
-                (audience, UpcomingRun { used, frames, guard })
-            });
-        }
-    }
-
     /// Counts of a tick's beginning.
     #[inline(never)]
     pub(super) fn beginning(&self) -> [(CostItem, u32); 5] {
@@ -189,13 +109,19 @@ impl<S: Sample> Engine<'_, '_, S> {
             let nothing = (CostItem::WakingPad, 0);
             return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing];
         }
-        let due = self.voices.iter().filter(|voice| voice.is_guard_due());
-        let groups = due.map(Voice::group_count).sum::<usize>() as u32;
-        let pads = self.voices.iter().filter(|voice| !voice.rests()).count();
+        let (mut waking, mut due_groups, mut reached) = (0, 0, 0);
+        let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
+        for voice in awake.filter(|voice| !voice.rests()) {
+            waking += 1;
+            due_groups += if voice.is_guard_due() { voice.group_count() as u32 } else { 0 };
+            for bank in voice.banks().iter().filter(|bank| bank.is_being_reached()) {
+                reached += bank.modes_to_reach() as u32; // banks count in 16 bits
+                due_groups += if bank.hand_is_guarded() { bank.group_count() } else { 0 };
+            }
+        }
         let noise = (CostItem::ResidualCycle, self.stage_cycles_ahead());
-        let (modes, guards) = self.reached();
-        let choke = (CostItem::ChokedMode, modes);
-        [(CostItem::Tick, 1), (CostItem::WakingPad, pads as u32), (CostItem::DueGroup, groups + guards), noise, choke]
+        let choke = (CostItem::ChokedMode, reached);
+        [(CostItem::Tick, 1), (CostItem::WakingPad, waking), (CostItem::DueGroup, due_groups), noise, choke]
     }
 
     /// Counts of an event.
@@ -221,22 +147,17 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Number of modes that chokes and releases reach in this tick, and of groups guarded for them.
-    fn reached(&self) -> (u32, u32) {
-        self.voices.iter().flat_map(|voice| voice.banks()).filter(|bank| bank.is_being_reached()).fold(
-            (0, 0),
-            |(modes, groups), bank| {
-                let guards = if bank.hand_is_guarded() { bank.group_count() } else { 0 };
-                (modes + bank.modes_to_reach() as u32, groups + guards) // banks count in 16 bits
-            },
-        )
-    }
-
     fn survey_counts(&self) -> [(CostItem, u32); 2] {
-        [(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.groups_built)]
+        [(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups())]
     }
 
-    fn frames_to_tick(&self) -> u32 {
+    /// Number of register groups of the pads that are awake.
+    fn awake_groups(&self) -> u32 {
+        let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
+        awake.map(|voice| voice.group_count() as u32).sum()
+    }
+
+    pub(super) fn frames_to_tick(&self) -> u32 {
         (TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64) as u32
     }
 
@@ -250,6 +171,12 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Counts of the tick's rest, with the events that are known.
     #[inline(never)]
     fn rest_of_tick(&mut self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
+        let end = self.now + u64::from(self.frames_to_tick());
+        for event in upcoming.iter().take_while(|event| event.time.first_frame() < end) {
+            if event.action == Action::Strike {
+                self.wake(event.pad);
+            }
+        }
         let struck = core::mem::take(&mut self.struck);
         struck.fill(false);
         let total = self.count_rest_of_tick(upcoming, direct, struck);
@@ -286,18 +213,19 @@ impl<S: Sample> Engine<'_, '_, S> {
             return;
         }
         counts.add(CostItem::Look, 1);
-        counts.add(CostItem::Pad, self.voices.len() as u32);
         if self.noisy {
             let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
             let noises = (self.noises() + begun) as u32;
             counts.add(CostItem::ResidualRun, noises);
             counts.add(CostItem::ResidualFrame, noises * frames);
         }
-        for (voice, number) in self.voices.iter().zip(0u8..) {
+        for number in self.awake.pads() {
+            let Some(voice) = self.voices.get(usize::from(number)) else { break };
+            counts.add(CostItem::Pad, 1);
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
             let pad_banks = voice.banks();
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
-            let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
             let used = if is_driven { Use::Driven } else { Use::Free };
             if !is_driven && !voice.is_ringing() {
@@ -376,15 +304,9 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards: with them the busiest half of the BlackPill
-/// ends at 96 % of its time (`cargo test -p virtual-board --test boards load`).
+/// ends at 88 % of its time (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
 /// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's
 /// bank and one striker's. A board's tick is at least twice as long as its budget.
 const FREE_CHOKED_MODES: u32 = 32;
-
-/// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
-fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
-    let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
-    force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
-}

@@ -6,7 +6,7 @@
 pub enum CostItem {
     /// Tick in which anything is to be done.
     Tick,
-    /// Pad in a run of frames, sounding or not.
+    /// Pad that is awake in a run of frames, sounding or not.
     Pad,
     /// Pad with bookkeeping at a tick's beginning.
     WakingPad,
@@ -80,8 +80,8 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 600),
-    (CostItem::Pad, 457),
+    (CostItem::Tick, 1800),
+    (CostItem::Pad, 400),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
     (CostItem::RingingPad, 1089),
@@ -110,7 +110,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::ResidualRun, 420),
     (CostItem::ResidualFrame, 40),
     (CostItem::ResidualCycle, 1),
-    (CostItem::IdleTick, 850),
+    (CostItem::IdleTick, 900),
 ]);
 
 /// Takes the cycles out of a list that must follow the order of [`CostItem`].

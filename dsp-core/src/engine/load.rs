@@ -2,6 +2,7 @@
 //!
 //! Every slice is taken in one order, from a memory that has words or from one that only counts.
 
+use super::awake::Awake;
 use super::error::LoadError;
 use super::fader::Fader;
 use super::held::Held;
@@ -95,6 +96,9 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         engine.words = memory.used();
         engine.stage_cycles = fitting.left();
         engine.modes_built = engine.voices.iter().map(|voice| voice.mode_count() as u32).sum();
+        (engine.asleep_modes, engine.asleep_unstruck_modes) = (engine.modes_built, engine.modes_built);
+        (0..engine.voices.len() as u8).for_each(|number| engine.wake(number));
+        engine.lay_to_sleep();
         Ok(engine)
     }
 
@@ -124,6 +128,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                 None => None,
             },
             listening: memory.take(Region::Fast, pads, || None).map_err(missing)?,
+            awake: Awake::take(memory, pads).map_err(missing)?,
             struck: memory.take(Region::Fast, pads, || false).map_err(missing)?,
             levels: &mut [],
             rate: setup.rate,
@@ -149,6 +154,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             expects: false,
             chokes_changed: false,
             unstruck_modes: 0,
+            asleep_modes: 0,
+            asleep_unstruck_modes: 0,
             retired_amplitude: 0.0,
         })
     }

@@ -11,6 +11,7 @@
 //! the tick behind them. All bookkeeping happens at ticks, so that the block size cannot change a
 //! bit. A [`TickReport`] tells what ran and what was skipped in each tick.
 
+mod awake;
 mod budget;
 mod check;
 mod cost;
@@ -24,6 +25,7 @@ mod plan;
 mod render;
 mod report;
 mod setup;
+mod shedding;
 mod silence;
 mod stage;
 mod stages;

@@ -110,6 +110,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
         while !out.is_empty() {
+            direct.iter().for_each(|direct| self.wake(direct.pad));
             let mut news = self.now.is_multiple_of(TICK_FRAMES as u64);
             if news {
                 self.begin_tick(direct);
@@ -140,7 +141,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 self.count_run(length as u32, direct_now);
             }
             if passes_idle {
-                self.report.pass_idle(self.unstruck_modes, self.modes_built, length);
+                self.report.pass_asleep(self.unstruck_modes, self.modes_built, length);
                 self.pass_room_silence(length);
             } else {
                 self.render_run(direct_now, now);

@@ -139,8 +139,8 @@ impl TickReport {
         self.forget_counts();
     }
 
-    /// Adds frames in which nothing ran.
-    pub(super) fn pass_idle(&mut self, unstruck_modes: u32, modes: u32, frames: usize) {
+    /// Adds frames of modes that no run looked at.
+    pub(super) fn pass_asleep(&mut self, unstruck_modes: u32, modes: u32, frames: usize) {
         self.unstruck_mode_frames += unstruck_modes * frames as u32;
         self.decayed_mode_frames += (modes - unstruck_modes) * frames as u32;
     }

@@ -1,5 +1,6 @@
 //! State of an engine, and what a caller can ask it between blocks.
 
+use super::awake::Awake;
 use super::fader::Fader;
 use super::held::Held;
 use super::report::TickReport;
@@ -33,6 +34,12 @@ pub struct Direct<'a> {
     pub force: &'a [i32],
 }
 
+/// Bound of the sum of a direct force over the coming tick, in bus steps; 0 for another pad.
+pub(super) fn direct_input(direct: Option<Direct<'_>>, pad: u8) -> f32 {
+    let Some(Direct { force, .. }) = direct.filter(|direct| direct.pad == pad) else { return 0.0 };
+    force.iter().take(TICK_FRAMES).map(|x| x.unsigned_abs() as f32).sum()
+}
+
 /// A whole instrument with its kit, in lent memory ([`Engine::new`]).
 ///
 /// `S` is the sample type of the room's delay lines: `i16` on boards, `i32` where memory is cheap.
@@ -41,6 +48,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) kit: Kit<'k>,
     /// Voices of the kit's pads.
     pub(super) voices: &'m mut [Voice<'k, 'm>],
+    /// Pads that are awake: all others have nothing to do.
+    pub(super) awake: Awake<'m>,
     pub(super) contacts: ActiveContacts<'m>,
     /// Work and sound of all pads in frames; `None` if there is none.
     pub(super) frames: Option<&'m mut FrameMixer<'m>>,
@@ -96,6 +105,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) chokes_changed: bool,
     /// Number of modes of pads that have not been struck since the load; kept for idle ticks.
     pub(super) unstruck_modes: u32,
+    /// Number of modes of pads that sleep.
+    pub(super) asleep_modes: u32,
+    /// Number of modes of pads that sleep and have not been struck since the load.
+    pub(super) asleep_unstruck_modes: u32,
     /// Sum of the pads' retired amplitudes, 1.0 = full scale.
     pub(super) retired_amplitude: f32,
 }

@@ -1,9 +1,9 @@
 //! Work within a tick: its beginning, its events, its runs of frames, its end.
 
-use super::budget::ShedAmount;
 use super::cost::CostItem;
 use super::report::TickReport;
 use super::setup::Skipping;
+use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
 use crate::contact::{ActiveContacts, Contact};
 use crate::event::{Action, Event};
@@ -48,12 +48,14 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         let skip = self.skipping == Skipping::On;
         let mut retired = None;
-        for index in 0..self.voices.len() {
+        for number in self.awake.pads() {
+            let index = usize::from(number);
             if self.voices.get_mut(index).is_none_or(Voice::pass_tick) {
                 continue;
             }
-            let all =
-                retired.unwrap_or_else(|| self.voices.iter().fold(0.0, |sum, voice| sum + voice.retired_amplitude()));
+            // Nothing is left out of a pad that sleeps.
+            let of_pad = |pad: u8| self.voices.get(usize::from(pad)).map_or(0.0, Voice::retired_amplitude);
+            let all = retired.unwrap_or_else(|| self.awake.pads().fold(0.0, |sum, pad| sum + of_pad(pad)));
             let Some(voice) = self.voices.get_mut(index) else { break };
             let elsewhere = all - voice.retired_amplitude();
             let elsewhere = if elsewhere > 0.0 { elsewhere } else { 0.0 };
@@ -113,9 +115,11 @@ impl<S: Sample> Engine<'_, '_, S> {
     fn change_chokes(&mut self) -> [(CostItem, u32); 3] {
         let (mut chokes, mut guards, mut filter_cycles) = (0, 0, 0);
         for number in 0..self.voices.len() as u8 {
-            let Some(voice) = self.voices.get_mut(usize::from(number)).filter(|voice| voice.is_choke_due()) else {
+            if !self.voices.get(usize::from(number)).is_some_and(Voice::is_choke_due) {
                 continue;
-            };
+            }
+            self.wake(number);
+            let Some(voice) = self.voices.get_mut(usize::from(number)) else { continue };
             guards += voice.change_choke();
             chokes += 1;
             let is_choked = voice.is_choked();
@@ -137,8 +141,37 @@ impl<S: Sample> Engine<'_, '_, S> {
         voice.set_position(slot, event.position, &tables, self.rate);
     }
 
-    /// Lets forces reach the shed groups of a pad again.
+    /// Wakes a pad that something is about to happen to.
+    pub(super) fn wake(&mut self, pad: u8) {
+        let Some(voice) = self.voices.get(usize::from(pad)) else { return };
+        if self.awake.wake(pad) {
+            self.asleep_modes -= voice.mode_count() as u32;
+            self.asleep_unstruck_modes -= if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
+        }
+    }
+
+    /// Lays pads to sleep that have nothing to do; gives the number of pads that ring.
+    pub(super) fn lay_to_sleep(&mut self) -> u32 {
+        let (mut ringing, is_skipping) = (0, self.skipping == Skipping::On);
+        self.awake.retain(|pad| {
+            let Some(voice) = self.voices.get(usize::from(pad)) else { return true };
+            if voice.is_ringing() {
+                ringing += 1;
+                return true;
+            }
+            let sleeps = is_skipping && voice.can_sleep() && self.contacts.count_on(pad) == 0;
+            if sleeps {
+                self.asleep_modes += voice.mode_count() as u32;
+                self.asleep_unstruck_modes += if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
+            }
+            !sleeps
+        });
+        ringing
+    }
+
+    /// Lets forces reach the shed groups of a pad again, and wakes it.
     fn admit(&mut self, pad: u8) {
+        self.wake(pad);
         if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
             voice.admit();
         }
@@ -146,7 +179,9 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Guards all voices for the contacts that have just begun.
     pub(super) fn meet_expected(&mut self) {
-        self.voices.iter_mut().for_each(Voice::meet_expected);
+        for pad in self.awake.pads() {
+            self.voices.get_mut(usize::from(pad)).into_iter().for_each(Voice::meet_expected);
+        }
     }
 
     /// Renders a run of frames and adds it to the stereo bus.
@@ -155,7 +190,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
         let has_contacts = self.contacts.count() > 0;
         self.report.contact_frames += (self.contacts.count() * out.len()) as u32;
-        for (voice, number) in self.voices.iter_mut().zip(0u8..) {
+        self.report.pass_asleep(self.asleep_unstruck_modes, self.asleep_modes, out.len());
+        for number in self.awake.pads() {
+            let Some(voice) = self.voices.get_mut(usize::from(number)) else { break };
             // A force of exact zeros is no force: a quiet sensor costs nothing.
             let direct = direct
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
@@ -193,7 +230,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.end_noise_tick();
         self.report.filters = self.active_filters();
         self.report.contacts = self.contacts.count() as u32;
-        self.report.ringing_pads = self.voices.iter().filter(|voice| voice.is_ringing()).count() as u32;
+        self.report.ringing_pads = self.lay_to_sleep();
         if self.frames.is_some() {
             self.end_frames_tick();
         }

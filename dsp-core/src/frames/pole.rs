@@ -3,7 +3,7 @@
 use super::numbers::HALF;
 use super::{BLOCK_FRAMES, POINTS};
 use crate::SampleRate;
-use crate::{exponential, quarter_turn};
+use crate::{exponential, sine};
 
 /// Complex number in `f64`, for the load.
 pub(super) type Complex64 = [f64; 2];
@@ -22,8 +22,8 @@ pub(super) struct FramePole {
     pub(super) distance: f64,
     /// Damping in lines: `d 2N/(2π fs)`.
     pub(super) damping: f64,
-    /// Angle of z in quarter turns.
-    quarters: f64,
+    /// Angle of z in turns.
+    turns: f64,
     /// Decay a frame, in nepers.
     nepers: f64,
 }
@@ -46,24 +46,18 @@ impl FramePole {
             line: line as usize,
             distance: place - line,
             damping: nepers * POINTS as f64 / core::f64::consts::TAU,
-            quarters: 4.0 * frequency_hz / fs,
+            turns: frequency_hz / fs,
             nepers,
         }
     }
 
     /// Power `z^n`.
     pub(super) fn power(&self, n: usize) -> Complex64 {
-        let (turn, n) = (self.quarters * n as f64, n as f64);
-        let quarter = libm::floor(turn);
-        let angle = (turn - quarter) * core::f64::consts::FRAC_PI_2;
+        let n = n as f64;
+        let turns = self.turns * n;
+        let angle = (turns - libm::floor(turns)) * core::f64::consts::TAU;
         let size = exponential::power_of_two(-self.nepers * n * core::f64::consts::LOG2_E);
-        let (cos, sin) = (size * quarter_turn::cos(angle), size * quarter_turn::sin(angle));
-        match quarter as u64 % 4 {
-            0 => [cos, sin],
-            1 => [-sin, cos],
-            2 => [-cos, -sin],
-            _ => [sin, -cos],
-        }
+        [size * sine::cos(angle), size * sine::sin(angle)]
     }
 
     /// Powers `z^(N/2)` and `z^N`.
@@ -77,8 +71,8 @@ impl FramePole {
     pub(super) fn sum(&self) -> Complex64 {
         // 1 - z without cancellation: 1 - r cos θ = (1 - r) + 2 r sin²(θ/2).
         let gap = exponential::loss(self.nepers);
-        let half_angle = self.quarters * core::f64::consts::FRAC_PI_4;
-        let (sin, cos) = (quarter_turn::sin(half_angle), quarter_turn::cos(half_angle));
+        let half_angle = self.turns * core::f64::consts::PI;
+        let (sin, cos) = (sine::sin(half_angle), sine::cos(half_angle));
         let radius = 1.0 - gap;
         let [re, im] = [gap + 2.0 * radius * sin * sin, -2.0 * radius * sin * cos];
         let size = re * re + im * im;

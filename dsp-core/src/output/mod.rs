@@ -1,7 +1,7 @@
 //! Output: level and pan of a pad, the stereo sum, and the one step to 24 bits.
 
 use crate::fixed;
-use crate::{exponential, quarter_turn};
+use crate::{exponential, sine};
 
 /// Level and constant-power pan of a pad: left `g cos((p+1) π/4)`, right `g sin((p+1) π/4)`, g =
 /// 10^(dB/20).
@@ -35,7 +35,7 @@ impl Panner {
     pub fn new(level_db: f32, pan: f32) -> Self {
         let level = exponential::power_of_two(f64::from(level_db) * (core::f64::consts::LOG2_10 / 20.0));
         let angle = (f64::from(pan) + 1.0) * core::f64::consts::FRAC_PI_4;
-        let (left, right) = (level * quarter_turn::cos(angle), level * quarter_turn::sin(angle));
+        let (left, right) = (level * sine::cos(angle), level * sine::sin(angle));
         let loudest = left.max(right);
         // Mantissas stay below 1/2: `as` saturates 1/2 itself to a step less.
         let shift = (0..30).find(|&shift| loudest <= f64::from(1u32 << shift) / 2.0).unwrap_or(30);

@@ -5,6 +5,7 @@ use super::slope::SLOPE_FRAMES;
 use crate::SampleRate;
 use crate::exponential;
 use crate::memory::{Memory, OutOfMemory, Region};
+use crate::sine;
 use crate::square_root::{exact_root, square_root};
 use crate::table::{ResidualBand, range};
 use crate::time::TICK_FRAMES;
@@ -320,7 +321,7 @@ pub(super) fn energy_in_onset(per_tick: f64) -> f64 {
     let (mut sum, mut left) = (0.0, within);
     for tick in 0..FRAME_TICKS + FADE_TICKS {
         let into = (f64::from(tick) + 0.5 - f64::from(FRAME_TICKS)) / f64::from(FADE_TICKS);
-        let cosine = libm::cos(core::f64::consts::FRAC_PI_2 * into.max(0.0));
+        let cosine = sine::cos(core::f64::consts::FRAC_PI_2 * into.max(0.0));
         sum += left * cosine * cosine;
         left *= per_tick;
     }

@@ -2,6 +2,7 @@
 
 use super::bands::{Bands, Common, energy_in_onset, least};
 use super::making::Making;
+use crate::exponential;
 use crate::fourier::{Complex, MAX_POINTS};
 use crate::noise::Sfc32;
 
@@ -33,7 +34,7 @@ impl Onset {
             lower = band.upper;
         }
         let common = Common::of(power, left, None);
-        let per_tick = libm::pow(f64::from(common.quarter), 1.0 / 8.0);
+        let per_tick = exponential::power(f64::from(common.quarter), 1.0 / 8.0);
         *self = Self {
             common: common.of_onset(energy_in_onset(per_tick) as f32),
             per_frame: common.per_frame(),

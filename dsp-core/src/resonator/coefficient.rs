@@ -2,7 +2,7 @@
 
 use crate::SampleRate;
 use crate::square_root::rounded_root;
-use crate::{exponential, quarter_turn};
+use crate::{exponential, sine};
 
 /// Arithmetic of a mode, chosen by the mode's step `e` (see [`Pole::new`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,7 +78,7 @@ impl Pole {
         let folded_hz = if mirrored { fs / 2.0 - frequency_hz } else { frequency_hz };
         let gap = exponential::loss(decay_per_s / fs); // 1 - r, exact for slow decays
         let radius = 1.0 - gap;
-        let sine = quarter_turn::sin(core::f64::consts::PI * folded_hz / fs);
+        let sine = sine::sin(core::f64::consts::PI * folded_hz / fs);
         let step_squared = gap * gap + 4.0 * radius * sine * sine;
         let (form, epsilon) = match step_squared {
             e2 if e2 < 0.25 => (Form::Coupled, libm::sqrt(e2)),

@@ -6,6 +6,8 @@
 //! An all-pass of every second pair, and one of the others with the real pole, add up to the
 //! low-pass, and differ by the high-pass of the same order.
 
+use crate::{exponential, sine};
+
 /// Maximum number of pole pairs.
 pub(super) const MOST_PAIRS: usize = 4;
 
@@ -28,15 +30,15 @@ impl Elliptic {
     pub(super) fn leaning(count: usize, k: f64, high_db: f64) -> Self {
         let (q, order) = (nome(k), (2 * count + 1) as f64);
         // cosh(order · Λ) is the high-pass's attenuation.
-        let cosh = libm::pow(10.0, high_db / 20.0);
+        let cosh = exponential::power(10.0, high_db / 20.0);
         let base = libm::exp(libm::log(cosh + libm::sqrt(cosh * cosh - 1.0)) / order);
         let (mut numerator, mut denominator, mut sign) = (0.0, 0.5, 1.0);
         for i in 0..TERMS {
             let i = f64::from(i);
-            let (odd, even) = (libm::pow(base, 2.0 * i + 1.0), libm::pow(base, 2.0 * i));
-            numerator += sign * libm::pow(q, i * (i + 1.0)) * 0.5 * (odd - 1.0 / odd);
+            let (odd, even) = (exponential::power(base, 2.0 * i + 1.0), exponential::power(base, 2.0 * i));
+            numerator += sign * exponential::power(q, i * (i + 1.0)) * 0.5 * (odd - 1.0 / odd);
             if i > 0.0 {
-                denominator += sign * libm::pow(q, i * i) * 0.5 * (even + 1.0 / even);
+                denominator += sign * exponential::power(q, i * i) * 0.5 * (even + 1.0 / even);
             }
             sign = -sign;
         }
@@ -51,9 +53,9 @@ impl Elliptic {
             let (mut numerator, mut denominator, mut sign) = (0.0, 0.5, 1.0);
             for i in 0..TERMS {
                 let i = f64::from(i);
-                numerator += sign * libm::pow(q, i * (i + 1.0)) * libm::sin((2.0 * i + 1.0) * angle);
+                numerator += sign * exponential::power(q, i * (i + 1.0)) * sine::sin((2.0 * i + 1.0) * angle);
                 if i > 0.0 {
-                    denominator += sign * libm::pow(q, i * i) * libm::cos(2.0 * i * angle);
+                    denominator += sign * exponential::power(q, i * i) * sine::cos(2.0 * i * angle);
                 }
                 sign = -sign;
             }
@@ -86,7 +88,7 @@ impl Elliptic {
 /// Sum of the attenuations of low-pass and high-pass, each in the other's pass band, in dB: the
 /// one's gain is the other's loss.
 pub(super) fn shared_db(count: usize, k: f64) -> f64 {
-    -20.0 * libm::log10(4.0 * libm::pow(nome(k), count as f64 + 0.5))
+    -20.0 * libm::log10(4.0 * exponential::power(nome(k), count as f64 + 0.5))
 }
 
 /// Number of terms of the series: with q below 0.1 the last is below 1e-40.

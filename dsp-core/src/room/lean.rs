@@ -7,6 +7,7 @@
 
 use super::elliptic::{Elliptic, shared_db};
 use super::split::{LEAST_SECTIONS, Split};
+use crate::{exponential, sine};
 use core::f64::consts::PI;
 
 /// Selectivity k of splits of two, three and four sections: the end of the pass band over the
@@ -77,8 +78,8 @@ pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usiz
     let high_db = (0.5 * (all_db - lean_db)).max(LEAST_DB).min(all_db - LEAST_DB);
     let filter = Elliptic::leaning(sections, k, high_db);
     let shift = SHIFT * (lean_db / LONGER_DB).clamp(-1.0, 1.0);
-    let tangent = libm::tan(PI * at.edge) * libm::pow(k, 0.5 * shift);
-    let low_power = |f: f64| filter.low_power(libm::tan(PI * f) / tangent);
+    let tangent = sine::tan(PI * at.edge) * exponential::power(k, 0.5 * shift);
+    let low_power = |f: f64| filter.low_power(sine::tan(PI * f) / tangent);
     Leaning {
         split: Split::new(&filter, tangent),
         lost_below: integral(at.from.max(LOWEST_PART * at.edge), at.edge, |f| 1.0 - low_power(f)),

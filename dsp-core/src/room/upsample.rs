@@ -8,6 +8,7 @@ use core::f64::consts::PI;
 
 use super::elliptic::Elliptic;
 use super::kernel;
+use crate::sine;
 
 /// Least end of the bands, of the lower rate: images are then 60 dB down.
 const LEAST_END: f64 = 0.25;
@@ -33,7 +34,7 @@ impl Upsampler {
 
     /// A doubling for bands that end at most at `to`, of the lower rate.
     pub(super) fn new(to: f64) -> Self {
-        let tangent = libm::tan(0.5 * PI * to.max(LEAST_END));
+        let tangent = sine::tan(0.5 * PI * to.max(LEAST_END));
         // At a half band's edge, with both sides alike, b0 is 1, and z^-1 has no part in a section.
         let [a0, a1, ..] = Elliptic::even(2, tangent * tangent).pairs.map(|[b1, _]| (2.0 - b1) / (2.0 + b1));
         Self { a: [libm::rint(a0 * 4_294_967_296.0) as i32, libm::rint(a1 * 2_147_483_648.0) as i32] }

@@ -1,4 +1,4 @@
-//! Square roots in `f32` with the same bits on every machine.
+//! Square roots with the same bits on every machine.
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
@@ -30,6 +30,12 @@ pub(crate) fn square_root(x: f32) -> f32 {
 pub(crate) fn exact_root(x: f32) -> f32 {
     let root = square_root(x);
     0.5 * (root + x / root)
+}
+
+/// Length `sqrt(x² + y²)` of a vector whose squares are in the range of `f64`, within three
+/// roundings.
+pub(crate) fn length(x: f64, y: f64) -> f64 {
+    libm::sqrt(x * x + y * y)
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 use super::units::{COUNT, LAST_COUNT};
 use crate::SampleRate;
 use crate::fixed::{smmla, smmls};
+use crate::sine;
 use crate::time::TICK_FRAMES;
 
 /// Mains frequencies of the world, in Hz. Both are always followed, so that there is no setting to
@@ -45,7 +46,7 @@ impl MainsTurn {
     pub(super) fn new(rate: SampleRate) -> Self {
         let tick_s = TICK_FRAMES as f64 / rate.hz();
         let coefficient =
-            MAINS_HZ.map(|hz| (2.0 * libm::sin(core::f64::consts::PI * hz * tick_s) * 4_294_967_296.0) as i32);
+            MAINS_HZ.map(|hz| (2.0 * sine::sin(core::f64::consts::PI * hz * tick_s) * 4_294_967_296.0) as i32);
         Self { coefficient }
     }
 }

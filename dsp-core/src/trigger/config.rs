@@ -7,6 +7,7 @@ use super::mask::MaskDecay;
 use super::settings::{Mode, Settings};
 use super::units::FULL_UNITS;
 use crate::SampleRate;
+use crate::exponential;
 use crate::table::range::{self, Range};
 use crate::time::TICK_FRAMES;
 
@@ -75,7 +76,7 @@ pub(super) fn derive(
 }
 
 fn from_db(db: f32) -> f32 {
-    libm::pow(10.0, f64::from(db) / 20.0) as f32
+    exponential::power(10.0, f64::from(db) / 20.0) as f32
 }
 
 fn check(pad: u8, settings: &Settings) -> Result<(), TriggerError> {

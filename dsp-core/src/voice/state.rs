@@ -327,6 +327,12 @@ impl Voice<'_, '_> {
         self.rest_ticks == 0 && self.banks.iter().any(|bank| bank.is_guard_due(self.passed_ticks))
     }
 
+    /// True if a pad that no force acts on has nothing to do: neither sound nor books.
+    pub(crate) fn can_sleep(&self) -> bool {
+        let is_silent = self.frames.is_none() && !self.is_ringing() && !self.filters_join_in(false);
+        is_silent && self.retired_amplitude == 0.0 && !self.is_being_reached()
+    }
+
     /// True if no bank has anything to do at the coming tick.
     pub fn rests(&self) -> bool {
         self.rest_ticks > 0

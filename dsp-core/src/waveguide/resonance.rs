@@ -21,6 +21,8 @@
 
 use super::tuning::Tuned;
 use crate::fixed::{rounding_shift_right, saturating_shift_left, smmlar, smmlsr, times_q31};
+use crate::sine;
+use crate::square_root::length;
 use crate::time::TICK_FRAMES;
 
 /// Number of bits of the line's words: `|x| < 2^30`.
@@ -193,8 +195,8 @@ impl Resonance {
         let (angle, distance) = tuned.pole();
         let radius = 1.0 - distance;
         let h1 = tuned.c + 2.0 * tuned.real * tuned.a;
-        let sine = (h1 / radius - tuned.a * libm::cos(angle)) / libm::sin(angle);
-        libm::hypot(tuned.a, sine) / distance * libm::scalbn(1.0, LINE_BITS - 27 - line_scale)
+        let sine = (h1 / radius - tuned.a * sine::cos(angle)) / sine::sin(angle);
+        length(tuned.a, sine) / distance * libm::scalbn(1.0, LINE_BITS - 27 - line_scale)
     }
 
     /// Clears the state.

@@ -4,6 +4,8 @@ use core::f64::consts::TAU;
 
 use super::error::LoopError;
 use crate::SampleRate;
+use crate::sine;
+use crate::square_root::length;
 
 /// A loop: one resonance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,7 +59,7 @@ impl Tuned {
             return Err(LoopError::Delay { index, frames: delay, room });
         }
         let omega = TAU * frequency_hz / rate.hz();
-        let (cosine, sine) = (libm::cos(omega), libm::sin(omega));
+        let (cosine, sine) = (sine::cos(omega), sine::sin(omega));
         let tau = sine * bandwidth_hz / frequency_hz / 2.0;
         let (real, square) = (cosine / (1.0 + tau), (1.0 - tau) / (1.0 + tau));
         if square < 0.51 {
@@ -65,7 +67,7 @@ impl Tuned {
         }
         let whole = libm::floor(delay);
         let angle = omega * (delay - whole);
-        let gain = (gain * libm::cos(angle), -gain * libm::sin(angle));
+        let gain = (gain * sine::cos(angle), -gain * sine::sin(angle));
         let (delay, nothing) = (whole as usize, Self::default());
         Ok(Self { delay, omega, gain, ..nothing }.with_pole(real, square))
     }
@@ -76,7 +78,7 @@ impl Tuned {
     /// A loop of gain G close to 1 rings off f_c by only (1 - G) times the error of its pole. So
     /// the rounding of the pole hardly matters.
     pub(super) fn with_pole(self, real: f64, square: f64) -> Self {
-        let (cosine, sine) = (libm::cos(self.omega), libm::sin(self.omega));
+        let (cosine, sine) = (sine::cos(self.omega), sine::sin(self.omega));
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
         let below = (1.0 - 2.0 * real * cosine + square * double_cosine, 2.0 * real * sine - square * double_sine);
         let (re, im) = self.gain;
@@ -87,10 +89,10 @@ impl Tuned {
 
     /// Magnitude `|B|` of the band-pass at `w = cos - i sin`.
     pub(crate) fn magnitude(&self, (cosine, sine): (f64, f64)) -> f64 {
-        let above = libm::hypot(self.a + self.c * cosine, self.c * sine);
+        let above = length(self.a + self.c * cosine, self.c * sine);
         let (double_cosine, double_sine) = (cosine * cosine - sine * sine, 2.0 * sine * cosine);
         let real = 1.0 - 2.0 * self.real * cosine + self.square * double_cosine;
-        above / libm::hypot(real, 2.0 * self.real * sine - self.square * double_sine)
+        above / length(real, 2.0 * self.real * sine - self.square * double_sine)
     }
 
     /// Coefficients a and c of the numerator.

@@ -23,9 +23,9 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The F407 board takes 73.6 %, the
-        // BlackPill 90.3 %; both move by some percent with the order of the code in flash.
-        assert!(load <= 0.95, "{}: {load:.3} of the time to the deadline", board.name());
+        // The limit leaves a margin before a half is missed. The F407 board takes 73.1 %, the
+        // BlackPill 87.8 %; both move by some percent with what is left out.
+        assert!(load <= 0.90, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
@@ -109,9 +109,9 @@ fn images_leave_flash_and_stack_free() {
             report.static_ram_bytes
         );
         assert!(used + STACK_RESERVE <= room, "{}: {used} of {room} bytes of stack", board.name());
-        // The images take 414 000 and 343 000 bytes with USB, slots and settings. The BlackPill has
+        // The images take 393 500 and 326 700 bytes with USB, slots and settings. The BlackPill has
         // 352 KB for its program, vectors and built-in kit.
-        let most = if board == Board::Stm32f407gDisc1 { 410 << 10 } else { 340 << 10 };
+        let most = if board == Board::Stm32f407gDisc1 { 390 << 10 } else { 320 << 10 };
         assert!(report.flash_bytes <= most, "{}: {} bytes of flash", board.name(), report.flash_bytes);
     }
 }

@@ -5,6 +5,7 @@ use super::state::Filters;
 use crate::SampleRate;
 use crate::biquad::{Biquad, BiquadError, Root};
 use crate::dynamic_filter::{Breakpoint, DynamicFilter, DynamicFilterError, Exciter, FilterSize, Settings};
+use crate::exponential;
 use crate::table;
 use crate::table::layout::{BiquadRecord, BreakpointRecord, LoopRecord};
 use crate::waveguide::Loop;
@@ -102,7 +103,7 @@ fn settings<'a>(
     let exciter = filter.exciter().map(|band| {
         // The filter hears of levels that are divided by `louder`.
         let exponent = f64::from(band.exponent);
-        let factor = libm::pow(louder, exponent);
+        let factor = exponential::power(louder, exponent);
         Exciter { low_hz: f64::from(band.low_hz) * factor, high_hz: f64::from(band.high_hz) * factor, exponent }
     });
     Settings {

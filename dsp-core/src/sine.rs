@@ -1,0 +1,77 @@
+//! Sine, cosine and tangent in `f64`, in an eighth of the code of the general ones.
+//!
+//! An angle becomes the nearest number of quarter turns and a rest within π/4, for which Taylor
+//! series to x^17 serve. For angles of up to a million radians the error is below 5e-16; within π/4
+//! it is below 5e-16 of the value. The bits are the same on every machine.
+
+/// Quarter turns in a radian.
+const QUARTERS: f64 = core::f64::consts::FRAC_2_PI;
+
+/// First 33 bits of π/2: whole numbers below 2^20 times this are exact.
+const QUARTER_HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
+
+/// Rest of π/2 behind [`QUARTER_HIGH`].
+const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
+
+/// Sine of an angle in radians.
+pub(crate) fn sin(angle: f64) -> f64 {
+    turned(angle, 0)
+}
+
+/// Cosine of an angle in radians.
+pub(crate) fn cos(angle: f64) -> f64 {
+    turned(angle, 1)
+}
+
+/// Tangent of an angle in radians.
+pub(crate) fn tan(angle: f64) -> f64 {
+    sin(angle) / cos(angle)
+}
+
+/// Sine of an angle in radians and a number of quarter turns.
+#[inline(never)]
+fn turned(angle: f64, quarters: i32) -> f64 {
+    let nearest = libm::rint(angle * QUARTERS);
+    let rest = (angle - nearest * QUARTER_HIGH) - nearest * QUARTER_LOW;
+    let quarters = (nearest as i32).wrapping_add(quarters);
+    let size = if quarters & 1 == 0 { series(rest, rest, 1.0) } else { series(rest, 1.0, 0.0) };
+    if quarters & 2 == 0 { size } else { -size }
+}
+
+/// Series `first (1 - x²/((n+1)(n+2)) + ...)` by Horner's rule, n being the power of x in `first`.
+///
+/// Its precision is relative for small x.
+fn series(x: f64, first: f64, power: f64) -> f64 {
+    let square = x * x;
+    let (mut sum, mut n) = (1.0, power + 18.0);
+    // A loop whose end depends on data is not unrolled: that would be 1 KB.
+    while n > power {
+        n -= 2.0;
+        sum = 1.0 - square / ((n + 1.0) * (n + 2.0)) * sum;
+    }
+    first * sum
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn sines_are_exact_to_the_last_bits() {
+        let within = (1..=1_000_000).map(|n| f64::from(n) * 7.85e-7);
+        let relative = |(value, exact): (f64, f64)| (value / exact - 1.0).abs();
+        let worst = within.map(|x| relative((super::sin(x), libm::sin(x)))).fold(0.0, f64::max);
+        assert!(worst < 5e-16, "{worst:e}");
+        for step in [6.3e-6, 1.000_001] {
+            let angles = (-1_000_000..=1_000_000).map(|n| f64::from(n) * step);
+            let error = |x| (super::sin(x) - libm::sin(x)).abs().max((super::cos(x) - libm::cos(x)).abs());
+            let worst = angles.map(error).fold(0.0, f64::max);
+            assert!(worst < 5e-16, "{worst:e}, angles {step} apart");
+        }
+    }
+
+    #[test]
+    fn tangents_are_exact_to_the_last_bits() {
+        let angles = (1..1_000_000).map(|n| f64::from(n) * 1.57e-6);
+        let worst = angles.map(|x| (super::tan(x) / libm::tan(x) - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-15, "{worst:e}");
+    }
+}
