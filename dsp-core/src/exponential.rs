@@ -5,13 +5,21 @@
 /// Loss `1 - e^-x` of a decay of x nepers, for x in -0.35 to 0.7. The relative error is below
 /// 4e-16.
 pub(crate) fn loss(x: f64) -> f64 {
-    // x - x²/2! + x³/3! - ..., by Horner's rule.
-    let mut sum = 1.0;
-    for n in (2u8..18).rev() {
-        sum = 1.0 - x / f64::from(n) * sum;
-    }
-    x * sum
+    // x - x²/2! + x³/3! - ..., by Horner's rule, the last term first.
+    x * RATIOS.iter().rev().fold(1.0, |sum, ratio| 1.0 - x * ratio * sum)
 }
+
+/// Ratios 1/2 to 1/17 of the series' terms. A product takes a quarter of the time of a quotient in
+/// software.
+const RATIOS: [f64; 16] = {
+    let mut ratios = [0.0; 16];
+    let mut term = 0;
+    while term < ratios.len() {
+        ratios[term] = 1.0 / (term + 2) as f64;
+        term += 1;
+    }
+    ratios
+};
 
 /// Power `2^x` for x in -1000 to 1000. The relative error is below 1e-15.
 pub(crate) fn power_of_two(x: f64) -> f64 {

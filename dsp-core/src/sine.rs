@@ -34,22 +34,29 @@ fn turned(angle: f64, quarters: i32) -> f64 {
     let nearest = libm::rint(angle * QUARTERS);
     let rest = (angle - nearest * QUARTER_HIGH) - nearest * QUARTER_LOW;
     let quarters = (nearest as i32).wrapping_add(quarters);
-    let size = if quarters & 1 == 0 { series(rest, rest, 1.0) } else { series(rest, 1.0, 0.0) };
+    let (first, ratios) = if quarters & 1 == 0 { (rest, &SINE) } else { (1.0, &COSINE) };
+    let square = rest * rest;
+    // By Horner's rule, the last term first.
+    let size = first * ratios.iter().rev().fold(1.0, |sum, ratio| 1.0 - square * ratio * sum);
     if quarters & 2 == 0 { size } else { -size }
 }
 
-/// Series `first (1 - x²/((n+1)(n+2)) + ...)` by Horner's rule, n being the power of x in `first`.
-///
-/// Its precision is relative for small x.
-fn series(x: f64, first: f64, power: f64) -> f64 {
-    let square = x * x;
-    let (mut sum, mut n) = (1.0, power + 18.0);
-    // A loop whose end depends on data is not unrolled: that would be 1 KB.
-    while n > power {
-        n -= 2.0;
-        sum = 1.0 - square / ((n + 1.0) * (n + 2.0)) * sum;
+/// Ratios of the sine's Taylor terms: `1/(2·3)`, `1/(4·5)` and so on, without their sign and
+/// square. A product takes a quarter of the time of a quotient in software.
+const SINE: [f64; 8] = ratios(2);
+
+/// Ratios of the cosine's Taylor terms: `1/(1·2)`, `1/(3·4)` and so on.
+const COSINE: [f64; 8] = ratios(1);
+
+const fn ratios(first: u16) -> [f64; 8] {
+    let mut ratios = [0.0; 8];
+    let mut term = 0;
+    while term < ratios.len() {
+        let n = first + 2 * term as u16;
+        ratios[term] = 1.0 / (n * (n + 1)) as f64;
+        term += 1;
     }
-    first * sum
+    ratios
 }
 
 #[cfg(test)]

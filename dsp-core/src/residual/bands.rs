@@ -336,6 +336,7 @@ pub(super) fn least(x: f32, y: f32) -> f32 {
 
 /// Power of a share of energy for a number of ticks, which may have a fraction (interpolated
 /// between whole ticks) or be negative.
+#[inline(always)] // each band takes one in a frame
 fn choke(per_tick: f32, ticks: f32) -> f32 {
     let size = ticks.abs();
     let whole = size as u32;

@@ -36,7 +36,7 @@ impl Making {
     /// Approximate cycles of the whole wave with a number of bands.
     pub(super) fn cycles(bands: usize) -> u32 {
         let pairs = MAX_POINTS as u32 / 2 * PAIR_CYCLES;
-        amplitude_cycles(MAX_POINTS, bands) + pairs + fourier::cycles(MAX_POINTS)
+        amplitude_cycles(MAX_POINTS, bands) + pairs + const { fourier::cycles(MAX_POINTS) }
     }
 
     pub(super) fn is_over(&self) -> bool {

@@ -96,8 +96,14 @@ impl Instrument {
         // SAFETY: the engine that borrowed the words before is dropped, and only this function of
         // the one instrument lends them.
         let memory = unsafe { Memory::new(FAST.lend(), BULK.lend()) };
-        let engine = self.engine.insert(Lent::engine(kit, memory, &mut tell)?);
-        engine.set_budget(Some(budget_cycles_per_tick));
+        // One copy of the engine on the stack: `?` within the argument makes two.
+        match Lent::engine(kit, memory, &mut tell) {
+            Ok(engine) => self.engine = Some(engine),
+            Err(error) => return Err(error),
+        }
+        if let Some(engine) = &mut self.engine {
+            engine.set_budget(Some(budget_cycles_per_tick));
+        }
         (self.budget, self.in_time) = (budget_cycles_per_tick, 0);
         (self.begun, self.level) = (0, 1.0);
         self.strikers = [0; PADS];
