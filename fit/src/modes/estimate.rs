@@ -4,7 +4,7 @@ use super::damped_sine::DampedSine;
 use super::noise::NoiseFloor;
 use super::pole::Pole;
 use super::refine::{Ending, Group, Model, refine};
-use super::search::{Range, search};
+use super::search::{Candidate, Range, search};
 
 /// Settings of the modal estimator.
 #[derive(Clone, Copy, Debug)]
@@ -62,12 +62,15 @@ const PASSES: usize = 24;
 const EXPLAINING_PASSES: usize = 6;
 /// Maximum number of passes that add to modes that are known.
 const FILLING_PASSES: usize = 3;
+/// Number of candidates that are looked at for each mode that may be added.
+const SPARE: usize = 4;
 /// Refinement of modes that are known, and of those added to them.
 const FILLING: Ending = Ending { steps: 4, ridge: 2e-3, ..Ending::COARSE };
 
 /// Known modes, with the most significant of those that they leave added to them.
 ///
-/// All are refined together. Modes that explain too little are dropped.
+/// None of these lies within the width of a known one. All are refined together. Modes that leave
+/// the range of the search are dropped.
 pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole]) -> Option<Model> {
     let groups = [Group::ringing(samples)];
     let range = range(samples.len(), rate_hz, settings);
@@ -77,7 +80,14 @@ pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &
         let residual = model.residual(0, &groups[0].stretches[0]);
         let noise = NoiseFloor::of_residual(&residual);
         let free = settings.most_modes.saturating_sub(model.poles.len());
-        let candidates = search(&residual, &noise, range, threshold, free);
+        // Within the width of a known mode a further one would cancel with it.
+        let is_apart = |candidate: &Candidate| {
+            let pole = candidate.pole;
+            model.poles.iter().all(|known| (known.angular - pole.angular).abs() > known.decay + pole.decay)
+        };
+        let mut candidates = search(&residual, &noise, range, threshold, SPARE * free);
+        candidates.retain(is_apart);
+        candidates.truncate(free);
         if candidates.is_empty() {
             break;
         }

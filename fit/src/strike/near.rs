@@ -27,7 +27,7 @@ const ROUNDS: usize = 4;
 /// Number of parts of a residual that are compared to tell noise from sound.
 const PARTS: usize = 10;
 /// Number of steps of the descent.
-const STEPS: usize = 100;
+const STEPS: usize = 150;
 /// Number of steps after which the nearest of several starts is known.
 const PROBING: usize = 15;
 /// Length of the strike whose loudness is compared, in seconds.
@@ -102,17 +102,31 @@ impl Heard<'_> {
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
         let mut descent =
             Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
-        let mut starts = vec![start];
-        starts.extend(longer.into_iter().filter_map(|modes| Some(self.start(self.poles(&modes))?.0)));
-        if starts.len() > 1 {
-            let probed = starts.iter().map(|start| descent.run(start, PROBING).1);
-            let probed: Vec<f64> = probed.collect();
-            let best = (0..starts.len()).min_by(|&a, &b| probed[a].total_cmp(&probed[b])).unwrap_or(0);
-            starts.swap(0, best);
+        let longer = longer.into_iter().filter_map(|modes| Some(self.start(self.poles(&modes))?.0));
+        let starts = std::iter::once(start).chain(longer);
+        let probed = starts.map(|start| (descent.run(&start, PROBING).1, start));
+        let mut nearest = probed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if let Some(fuller) = self.fuller(&nearest.1.poles, settings) {
+            let distance = descent.run(&fuller, PROBING).1;
+            if distance < nearest.0 {
+                nearest = (distance, fuller);
+            }
         }
-        let start = &starts[0];
-        let (near, _) = descent.run(start, STEPS);
+        let (near, _) = descent.run(&nearest.1, STEPS);
         Some(Near::Approached(audible_of(near)))
+    }
+
+    /// A start with further modes in the place of those that were dropped because they cancel.
+    ///
+    /// No further mode lies within the width of another. `None` if there is none.
+    fn fuller(&self, poles: &[Pole], settings: Settings) -> Option<Sounding> {
+        if poles.len() >= settings.most_modes {
+            return None;
+        }
+        let model = filled(self.part(self.ringing()), self.rate_hz, settings, poles)?;
+        let modes: Vec<DampedSine> =
+            self.sines(&model).into_iter().filter(|mode| is_mode(mode, self.rate_hz, settings)).collect();
+        Some(self.start(self.poles(&modes))?.0)
     }
 
     fn ringing(&self) -> &[f64] {
