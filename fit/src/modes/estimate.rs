@@ -69,9 +69,9 @@ const FILLING: Ending = Ending { steps: 4, ridge: 2e-3, ..Ending::COARSE };
 
 /// Known modes, with the most significant of those that they leave added to them.
 ///
-/// None of these lies within the width of a known one. All are refined together. Modes that leave
-/// the range of the search are dropped.
-pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole]) -> Option<Model> {
+/// If they are to be `apart`, none lies within the width of a known one. All are refined together.
+/// Modes that leave the range of the search are dropped.
+pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole], apart: bool) -> Option<Model> {
     let groups = [Group::ringing(samples)];
     let range = range(samples.len(), rate_hz, settings);
     let threshold = 4.0 * (samples.len() as f64).ln();
@@ -80,13 +80,13 @@ pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &
         let residual = model.residual(0, &groups[0].stretches[0]);
         let noise = NoiseFloor::of_residual(&residual);
         let free = settings.most_modes.saturating_sub(model.poles.len());
-        // Within the width of a known mode a further one would cancel with it.
+        // Within the width of a known mode a further one may cancel with it.
         let is_apart = |candidate: &Candidate| {
             let pole = candidate.pole;
             model.poles.iter().all(|known| (known.angular - pole.angular).abs() > known.decay + pole.decay)
         };
-        let mut candidates = search(&residual, &noise, range, threshold, SPARE * free);
-        candidates.retain(is_apart);
+        let mut candidates = search(&residual, &noise, range, threshold, if apart { SPARE * free } else { free });
+        candidates.retain(|candidate| !apart || is_apart(candidate));
         candidates.truncate(free);
         if candidates.is_empty() {
             break;
