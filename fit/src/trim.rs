@@ -24,7 +24,7 @@ use crate::stages::{self, RecordedStrike};
 use crate::strike::{Fit, Mode};
 use crate::table::{self, Provenance};
 
-/// Error that a corrected partial keeps, in dB: the descent had its reasons.
+/// Error that a corrected partial keeps, in dB: the descent weighed it against other distances.
 const KEPT_DB: f64 = 2.0;
 /// Distance of a mode from its partial within which it makes the partial's level, in bins.
 const MAIN_LOBE_BINS: f64 = 1.5;
@@ -41,7 +41,7 @@ const MOST_SURPLUS: f64 = 0.5;
 /// Relative distance of a partial from its mode up to which it has one.
 const NEAR: f64 = 0.005;
 /// Maximum number of rounds.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 
 /// Length in seconds behind the recording's peak that is rendered: the last spectrum of partials
 /// ends there.
@@ -350,6 +350,20 @@ mod tests {
             let level_db = 20.0 * (trimmed.modes[1].gains[0][0] / 400.0).log10();
             assert!(level_db.abs() <= 3.0, "{level_db} dB");
             assert_eq!(trimmed.modes[0].gains[0][0], 500.0);
+        });
+    }
+
+    #[test]
+    fn a_mode_beside_the_bins_of_its_partial_is_moved_into_them() {
+        on_a_large_stack(|| {
+            let with_mode_at = |frequency_hz: f64| {
+                let mut fit = fit_of([500.0, 400.0, 0.0]);
+                fit.modes[1].frequency_hz = frequency_hz;
+                fit
+            };
+            let (trimmed, _) = trimmed_to(&with_mode_at(4_425.0), with_mode_at(4_437.0));
+            let off_hz = trimmed.modes[1].frequency_hz - 4_425.0;
+            assert!(off_hz.abs() < 2.0 * RATE_HZ / 8_192.0, "{off_hz} Hz");
         });
     }
 

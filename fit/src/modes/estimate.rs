@@ -208,3 +208,27 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
         model = refine(groups, &model.without(&dropped), ending)?;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_further_mode_that_is_to_lie_apart_is_not_within_the_width_of_a_known_one() {
+        let rate_hz = 44_100.0;
+        let sines = [(1_000.0, 0.0), (1_001.0, -6.0), (3_000.0, -26.0)].map(|(frequency_hz, level_db): (f64, f64)| {
+            DampedSine { frequency_hz, decay_per_s: 10.0, amplitude: 10f64.powf(level_db / 20.0), phase: 0.4 }
+        });
+        let mut sound = vec![0.0; 22_050];
+        sines.iter().for_each(|sine| sine.add_to(&mut sound, rate_hz));
+        let known = [Pole::new(1_000.0, 10.0, rate_hz)];
+        let settings = Settings { most_modes: 2, ..Settings::default() };
+        let further_hz = |apart: bool| {
+            let model = filled(&sound, rate_hz, settings, &known, apart).expect("it can be solved");
+            model.poles.last().expect("a mode").frequency_hz(rate_hz)
+        };
+        let [anywhere_hz, apart_hz] = [false, true].map(further_hz);
+        assert!((anywhere_hz - 1_001.0).abs() < 3.0, "{anywhere_hz} Hz");
+        assert!((apart_hz - 3_000.0).abs() < 1.0, "{apart_hz} Hz");
+    }
+}
