@@ -212,6 +212,7 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::SplitMix64;
 
     #[test]
     fn a_further_mode_that_is_to_lie_apart_is_not_within_the_width_of_a_known_one() {
@@ -219,7 +220,8 @@ mod tests {
         let sines = [(1_000.0, 0.0), (1_001.0, -6.0), (3_000.0, -26.0)].map(|(frequency_hz, level_db): (f64, f64)| {
             DampedSine { frequency_hz, decay_per_s: 10.0, amplitude: 10f64.powf(level_db / 20.0), phase: 0.4 }
         });
-        let mut sound = vec![0.0; 22_050];
+        let mut random = SplitMix64(1);
+        let mut sound: Vec<f64> = (0..22_050).map(|_| 1e-4 * random.normal()).collect();
         sines.iter().for_each(|sine| sine.add_to(&mut sound, rate_hz));
         let known = [Pole::new(1_000.0, 10.0, rate_hz)];
         let settings = Settings { most_modes: 2, ..Settings::default() };
