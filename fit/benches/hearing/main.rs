@@ -6,8 +6,8 @@
 //!
 //! `cargo bench -p fit --bench hearing [-- MODES ...] [NAME ...] [FOLDER]`: 64 modes by default;
 //! recordings whose names contain one of the NAMEs; the FOLDER of ../shared/data, `recordings` by
-//! default. Renderings go to the folder that the variable `RENDERINGS` names. Seconds are the CPU time
-//! of the one thread that makes a fit.
+//! default. Renderings go to the folder that the variable `RENDERINGS` names. Seconds are the CPU
+//! time of the one thread that makes a fit.
 
 mod table;
 

@@ -74,8 +74,8 @@ impl Heard<'_> {
 
     /// Modes and noise near to the strike; `None` if it has no audible mode.
     ///
-    /// If the audible modes leave nothing but noise, the modes of most likelihood are the answer. Else
-    /// several sets of modes begin a descent, and the one that is nearest after a few steps goes on.
+    /// If the audible modes leave nothing but noise, the modes of most likelihood are the answer.
+    /// Else several sets of modes begin a descent. The nearest after a few steps goes on.
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
         let (mut modes, apart) = self.audible(settings);
         let (start, left) = self.start_of(&modes, settings)?;
@@ -194,7 +194,7 @@ impl Heard<'_> {
     /// Modes refined over more and more of the sound in which they ring.
     ///
     /// Slow modes that lie within some hertz of one another are told apart by how they beat, for
-    /// which the time of the first refinement is too short. Empty if the sound is too short as well.
+    /// which the time of the first refinement is too short. Empty if the sound is too short, too.
     fn refined_longer(&self, modes: &[DampedSine]) -> Vec<Vec<DampedSine>> {
         let ringing = self.ringing();
         let mut longer: Vec<Vec<DampedSine>> = Vec::new();
