@@ -33,11 +33,10 @@ const SHORTEST_S: f64 = 0.015;
 
 /// Finds the strikes of a recording.
 ///
-/// With a measured force, each of its pulses is a strike. Otherwise the sound tells:
-///
-/// A strike is a rise by 12 dB over the 20 ms before it. Rises within 60 ms of a strike are its
-/// bounces, which a note reports. A recording that begins at its loudest, and dies away, begins
-/// with a strike. Without any rise of 12 dB, a recording that dies away by 12 dB is one strike.
+/// With a measured force, each of its pulses is a strike. Without one the sound decides: a strike
+/// is a rise by 12 dB over the 20 ms before it. Rises within 60 ms of a strike are its bounces,
+/// which a note reports. A recording that begins at its loudest, and dies away, begins with a
+/// strike. Without any rise of 12 dB, a recording that dies away by 12 dB is one strike.
 ///
 /// # Errors
 /// [`FitError::Silence`], [`FitError::NoOnset`], or [`FitError::Clipped`] if more than a tenth of

@@ -17,17 +17,17 @@ use fourier::Complex;
 use crate::band::Band;
 use crate::contact;
 use crate::error::FitError;
-use crate::hearing::{ATTACK_S, Heard, Partial};
+use crate::hearing::{ATTACK_S, Heard, Partial, RIGHT_DB};
 use crate::joint::{self, HELD, LOUDEST};
 use crate::modes::{Basis, Pole, Stretch};
 use crate::stages::{self, RecordedStrike};
 use crate::strike::{Fit, Mode};
 use crate::table::{self, Provenance};
 
-/// Largest error of a partial's level that counts as right, in dB.
-const RIGHT_DB: f64 = 3.0;
-/// Error that a corrected partial keeps, in dB: the descent had its reasons.
+/// Error that a corrected partial keeps, in dB: the descent weighed it against other distances.
 const KEPT_DB: f64 = 2.0;
+/// Distance of a mode from its partial within which it makes the partial's level, in bins.
+const MAIN_LOBE_BINS: f64 = 1.5;
 /// Largest change of a mode's level in one round, in dB.
 const MOST_CHANGE_DB: f64 = 9.0;
 /// Largest level of the rendering's peak, and of its attack, over the recording's, in dB.
@@ -41,7 +41,7 @@ const MOST_SURPLUS: f64 = 0.5;
 /// Relative distance of a partial from its mode up to which it has one.
 const NEAR: f64 = 0.005;
 /// Maximum number of rounds.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 
 /// Length in seconds behind the recording's peak that is rendered: the last spectrum of partials
 /// ends there.
@@ -70,18 +70,19 @@ pub(crate) fn trimmed(
         let modes = stage.render(&table, length)?;
         Ok(Rendered { modes, whole: stage.render(&stages::noisy(table, &fit.noise), length)? })
     };
-    let mut now = (rendered(&fit)?, fit);
-    let mut faults = trim.faults(&now.1, &now.0);
-    let mut best = now.1.clone();
+    let mut now = fit;
+    let mut sound = rendered(&now)?;
+    let mut faults = trim.faults(&now, &sound);
+    let mut best = now.clone();
     for _ in 0..ROUNDS {
         if faults == 0 {
             break;
         }
-        let fit = trim.corrected(&now.1, &now.0);
-        now = (rendered(&fit)?, fit);
-        let left = trim.faults(&now.1, &now.0);
+        trim.correct(&mut now, &sound);
+        sound = rendered(&now)?;
+        let left = trim.faults(&now, &sound);
         if left < faults {
-            (faults, best) = (left, now.1.clone());
+            (faults, best) = (left, now.clone());
         }
     }
     Ok(best)
@@ -141,75 +142,87 @@ impl<'a> Trim<'a> {
         })
     }
 
-    /// The fit with the levels of its partials, its peak and its attack corrected.
-    fn corrected(&self, fit: &Fit, rendered: &Rendered) -> Fit {
-        let mut corrected = fit.clone();
+    /// Corrects the levels of a fit's partials, its peak and its attack.
+    fn correct(&self, fit: &mut Fit, rendered: &Rendered) {
+        let mut changes = Changes { modes: vec![1.0; fit.modes.len()], noise: 1.0 };
+        for (range, over_db) in self.over_db(rendered) {
+            if over_db > MOST_OVER_DB {
+                let surplus = 1.0 - 10f64.powf((WANTED_OVER_DB - over_db) / 20.0);
+                changes.lower(fit, rendered, range, surplus);
+            }
+        }
         let errors_db = self.heard.partials().errors_db(&rendered.whole);
+        let modes: Vec<_> = self.partials.iter().map(|(_, partial)| nearest(fit, partial.frequency_hz)).collect();
         let mut done: Vec<usize> = Vec::new();
-        for (index, partial) in &self.partials {
-            let Some((mode, off_hz)) = nearest(fit, partial.frequency_hz) else { continue };
+        for ((index, partial), mode) in self.partials.iter().zip(modes) {
+            let Some((mode, off_hz)) = mode else { continue };
             if done.contains(&mode) {
                 continue;
             }
             done.push(mode);
-            let limit_hz = HELD * partial.frequency_hz;
-            let is_off = off_hz.abs() > limit_hz.max(0.5 * self.heard.partials().bin_hz());
+            let (held_hz, bin_hz) = (HELD * partial.frequency_hz, self.heard.partials().bin_hz());
+            let is_off = off_hz.abs() > held_hz.max(0.5 * bin_hz);
             let error_db = errors_db[*index];
             if error_db.abs() <= RIGHT_DB && !is_off {
                 continue;
             }
+            // Beyond the window's main lobe a mode does not sound in the partial's bins.
+            let limit_hz = held_hz.min(MAIN_LOBE_BINS * bin_hz);
             if off_hz.abs() > limit_hz {
-                corrected.modes[mode].frequency_hz = partial.frequency_hz + limit_hz * off_hz.signum();
+                fit.modes[mode].frequency_hz = partial.frequency_hz + limit_hz * off_hz.signum();
             }
             let change_db = error_db.clamp(-KEPT_DB, KEPT_DB) - error_db;
             let change_db = change_db.clamp(-MOST_CHANGE_DB, MOST_CHANGE_DB);
-            scale(&mut corrected, mode, 10f64.powf(change_db / 20.0));
+            changes.modes[mode] *= 10f64.powf(change_db / 20.0);
         }
-        for (range, over_db) in self.over_db(rendered) {
-            if over_db > MOST_OVER_DB {
-                let surplus = 1.0 - 10f64.powf((WANTED_OVER_DB - over_db) / 20.0);
-                lower(fit, rendered, range, surplus, &mut corrected);
-            }
+        for (mode, factor) in changes.modes.into_iter().enumerate() {
+            scale(fit, mode, factor);
         }
-        part_cancelling(&mut corrected);
-        corrected.modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        corrected
+        fit.noise.iter_mut().for_each(|band| band.weight *= changes.noise);
+        part_cancelling(fit);
+        fit.modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     }
 }
 
-/// Lowers what makes a rendering of `fit` loud in a range of samples, in `corrected`.
-///
-/// The range loses a share of its amplitude, `surplus`. Nothing is changed if that takes more than
-/// half of the modes that make it.
-fn lower(fit: &Fit, rendered: &Rendered, range: Range<usize>, surplus: f64, corrected: &mut Fit) {
-    let Some(strike) = fit.strikes.get(fit.loudest) else { return };
-    let whole = &rendered.whole[range.clone()];
-    let all = energy(whole);
-    let share = |part: &[f64]| part.iter().zip(whole).map(|(part, whole)| part * whole).sum::<f64>() / all;
-    let silence = vec![0.0; range.end];
-    let force = contact::force(strike.contact_time_s, fit.rate_hz);
-    let stretch = Stretch { samples: &silence, force: Some(&force[..force.len().min(range.end)]) };
-    let of_mode = |mode: &Mode| {
-        let [sine, cosine] = mode.gains.get(fit.loudest).copied().unwrap_or_default();
-        let gain = Complex::new(cosine, -sine) * (strike.peak_force / fit.rate_hz);
-        let mut sound = silence.clone();
-        Basis::new(Pole::new(mode.frequency_hz, mode.decay_per_s, fit.rate_hz), &stretch).add(gain, &mut sound);
-        (share(&sound[range.clone()]).max(0.0), mode.decay_per_s)
-    };
-    let noise: Vec<f64> =
-        whole.iter().zip(&rendered.modes[range.clone()]).map(|(whole, modes)| whole - modes).collect();
-    let decay = |band: &Band| band.decay_db_per_s / DECIBELS_A_NEPER;
-    let noise_decay = fit.noise.iter().map(decay).sum::<f64>() / fit.noise.len().max(1) as f64;
-    let mut parts: Vec<(f64, f64)> = fit.modes.iter().map(of_mode).collect();
-    // Noise fills more than its attack: a draw that is loud there stays.
-    let is_peak = whole.len() == 1;
-    parts.push(if is_peak { (share(&noise).max(0.0), noise_decay) } else { (0.0, 0.0) });
-    let Some(losses) = losses(&parts, surplus) else { return };
-    for (mode, loss) in losses.iter().take(fit.modes.len()).enumerate() {
-        scale(corrected, mode, 1.0 - loss);
+/// Factors on the gain of each mode and on all noise.
+struct Changes {
+    modes: Vec<f64>,
+    noise: f64,
+}
+
+impl Changes {
+    /// Lowers what makes a rendering of `fit` loud in a range of samples.
+    ///
+    /// The range loses a share of its amplitude, `surplus`. Nothing is changed if that takes more
+    /// than half of the modes that make it.
+    fn lower(&mut self, fit: &Fit, rendered: &Rendered, range: Range<usize>, surplus: f64) {
+        let Some(strike) = fit.strikes.get(fit.loudest) else { return };
+        let whole = &rendered.whole[range.clone()];
+        let all = energy(whole);
+        let share = |part: &[f64]| part.iter().zip(whole).map(|(part, whole)| part * whole).sum::<f64>() / all;
+        let silence = vec![0.0; range.end];
+        let force = contact::force(strike.contact_time_s, fit.rate_hz);
+        let stretch = Stretch { samples: &silence, force: Some(&force[..force.len().min(range.end)]) };
+        let of_mode = |mode: &Mode| {
+            let [sine, cosine] = mode.gains.get(fit.loudest).copied().unwrap_or_default();
+            let gain = Complex::new(cosine, -sine) * (strike.peak_force / fit.rate_hz);
+            let mut sound = silence.clone();
+            Basis::new(Pole::new(mode.frequency_hz, mode.decay_per_s, fit.rate_hz), &stretch).add(gain, &mut sound);
+            (share(&sound[range.clone()]).max(0.0), mode.decay_per_s)
+        };
+        let noise: Vec<f64> =
+            whole.iter().zip(&rendered.modes[range.clone()]).map(|(whole, modes)| whole - modes).collect();
+        let decay = |band: &Band| band.decay_db_per_s / DECIBELS_A_NEPER;
+        let noise_decay = fit.noise.iter().map(decay).sum::<f64>() / fit.noise.len().max(1) as f64;
+        let mut parts: Vec<(f64, f64)> = fit.modes.iter().map(of_mode).collect();
+        // Noise fills more than its attack: a draw that is loud there stays.
+        let is_peak = whole.len() == 1;
+        parts.push(if is_peak { (share(&noise).max(0.0), noise_decay) } else { (0.0, 0.0) });
+        let Some(losses) = losses(&parts, surplus) else { return };
+        for (factor, loss) in self.modes.iter_mut().chain([&mut self.noise]).zip(losses) {
+            *factor *= 1.0 - loss;
+        }
     }
-    let loss = losses.last().copied().unwrap_or(0.0);
-    corrected.noise.iter_mut().for_each(|band| band.weight *= 1.0 - loss);
 }
 
 /// Decibels in a neper of amplitude.
@@ -337,6 +350,20 @@ mod tests {
             let level_db = 20.0 * (trimmed.modes[1].gains[0][0] / 400.0).log10();
             assert!(level_db.abs() <= 3.0, "{level_db} dB");
             assert_eq!(trimmed.modes[0].gains[0][0], 500.0);
+        });
+    }
+
+    #[test]
+    fn a_mode_beside_the_bins_of_its_partial_is_moved_into_them() {
+        on_a_large_stack(|| {
+            let with_mode_at = |frequency_hz: f64| {
+                let mut fit = fit_of([500.0, 400.0, 0.0]);
+                fit.modes[1].frequency_hz = frequency_hz;
+                fit
+            };
+            let (trimmed, _) = trimmed_to(&with_mode_at(4_425.0), with_mode_at(4_437.0));
+            let off_hz = trimmed.modes[1].frequency_hz - 4_425.0;
+            assert!(off_hz.abs() < 2.0 * RATE_HZ / 8_192.0, "{off_hz} Hz");
         });
     }
 

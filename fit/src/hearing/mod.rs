@@ -25,7 +25,7 @@ use crate::distance::{Distances, RecordedLevels};
 pub(crate) use gammatone::HOP_S;
 pub use gammatone::{centres_hz, threshold_db};
 pub use loudness::{Loudness, LoudnessError, specific_loudness};
-pub use partials::{Partial, Partials};
+pub use partials::{Partial, Partials, RIGHT_DB};
 
 /// Length of the beginning of a strike whose loudness is compared, in seconds.
 pub(crate) const LOUDNESS_S: f64 = 4.0;

@@ -18,8 +18,8 @@ const OVER_MEDIAN_DB: f64 = 10.0;
 const OVER_BACKGROUND_DB: f64 = 8.0;
 /// Level in dB by which a partial stands over the threshold of hearing.
 const OVER_THRESHOLD_DB: f64 = 3.0;
-/// Largest error of a level that counts as right, in dB.
-const RIGHT_DB: f64 = 3.0;
+/// Largest error of a partial's level that counts as right, in dB.
+pub const RIGHT_DB: f64 = 3.0;
 /// Distance in bins up to which peaks of two spectra are one partial.
 const SAME_BINS: f64 = 1.5;
 

@@ -4,7 +4,7 @@ use super::damped_sine::DampedSine;
 use super::noise::NoiseFloor;
 use super::pole::Pole;
 use super::refine::{Ending, Group, Model, refine};
-use super::search::{Range, search};
+use super::search::{Candidate, Range, search};
 
 /// Settings of the modal estimator.
 #[derive(Clone, Copy, Debug)]
@@ -62,13 +62,16 @@ const PASSES: usize = 24;
 const EXPLAINING_PASSES: usize = 6;
 /// Maximum number of passes that add to modes that are known.
 const FILLING_PASSES: usize = 3;
+/// Number of candidates that are looked at for each mode that may be added.
+const SPARE: usize = 4;
 /// Refinement of modes that are known, and of those added to them.
 const FILLING: Ending = Ending { steps: 4, ridge: 2e-3, ..Ending::COARSE };
 
 /// Known modes, with the most significant of those that they leave added to them.
 ///
-/// All are refined together. Modes that explain too little are dropped.
-pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole]) -> Option<Model> {
+/// If they are to be `apart`, none lies within the width of a known one. All are refined together.
+/// Modes that leave the range of the search are dropped.
+pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &[Pole], apart: bool) -> Option<Model> {
     let groups = [Group::ringing(samples)];
     let range = range(samples.len(), rate_hz, settings);
     let threshold = 4.0 * (samples.len() as f64).ln();
@@ -77,7 +80,14 @@ pub(crate) fn filled(samples: &[f64], rate_hz: f64, settings: Settings, known: &
         let residual = model.residual(0, &groups[0].stretches[0]);
         let noise = NoiseFloor::of_residual(&residual);
         let free = settings.most_modes.saturating_sub(model.poles.len());
-        let candidates = search(&residual, &noise, range, threshold, free);
+        // Within the width of a known mode a further one may cancel with it.
+        let is_apart = |candidate: &Candidate| {
+            let pole = candidate.pole;
+            model.poles.iter().all(|known| (known.angular - pole.angular).abs() > known.decay + pole.decay)
+        };
+        let mut candidates = search(&residual, &noise, range, threshold, if apart { SPARE * free } else { free });
+        candidates.retain(|candidate| !apart || is_apart(candidate));
+        candidates.truncate(free);
         if candidates.is_empty() {
             break;
         }
@@ -196,5 +206,31 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
             }
         }
         model = refine(groups, &model.without(&dropped), ending)?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    #[test]
+    fn a_further_mode_that_is_to_lie_apart_is_not_within_the_width_of_a_known_one() {
+        let rate_hz = 44_100.0;
+        let sines = [(1_000.0, 0.0), (1_001.0, -6.0), (3_000.0, -26.0)].map(|(frequency_hz, level_db): (f64, f64)| {
+            DampedSine { frequency_hz, decay_per_s: 10.0, amplitude: 10f64.powf(level_db / 20.0), phase: 0.4 }
+        });
+        let mut random = SplitMix64(1);
+        let mut sound: Vec<f64> = (0..22_050).map(|_| 1e-4 * random.normal()).collect();
+        sines.iter().for_each(|sine| sine.add_to(&mut sound, rate_hz));
+        let known = [Pole::new(1_000.0, 10.0, rate_hz)];
+        let settings = Settings { most_modes: 2, ..Settings::default() };
+        let further_hz = |apart: bool| {
+            let model = filled(&sound, rate_hz, settings, &known, apart).expect("it can be solved");
+            model.poles.last().expect("a mode").frequency_hz(rate_hz)
+        };
+        let [anywhere_hz, apart_hz] = [false, true].map(further_hz);
+        assert!((anywhere_hz - 1_001.0).abs() < 3.0, "{anywhere_hz} Hz");
+        assert!((apart_hz - 3_000.0).abs() < 1.0, "{apart_hz} Hz");
     }
 }

@@ -57,8 +57,8 @@ impl Chosen {
     ///
     /// One after the other is taken: that which brings the loudness of those already taken nearest
     /// to the recording's, in all bands and at all times. A mode that explains less than a
-    /// ten-thousandth of the strike's loudness is not taken. Returns the candidates that are left.
-    pub(super) fn take_from(&mut self, candidates: &[DampedSine], loudness: &Loudness, most: usize) -> Vec<DampedSine> {
+    /// ten-thousandth of the strike's loudness is not taken.
+    pub(super) fn take_from(&mut self, candidates: &[DampedSine], loudness: &Loudness, most: usize) {
         let least = LEAST_SHARE * self.total();
         let responses: Vec<Vec<(usize, f64)>> =
             candidates.iter().map(|mode| loudness.of_sine(mode.frequency_hz)).collect();
@@ -81,7 +81,6 @@ impl Chosen {
                 }
             }
         }
-        candidates.iter().zip(&is_free).filter(|(_, is_free)| **is_free).map(|(mode, _)| *mode).collect()
     }
 
     fn total(&self) -> f64 {

@@ -7,6 +7,7 @@ mod high_pass;
 mod loudest;
 mod measured;
 mod near;
+mod noise;
 mod shared;
 mod sound;
 

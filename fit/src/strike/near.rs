@@ -9,8 +9,8 @@ use nalgebra::Complex;
 
 use super::audible::{Chosen, are_one};
 use super::loudest::with_partials;
-use crate::band::{Band, usual_edges_hz};
-use crate::distance::{Spectrogram, band_power};
+use super::noise::noise_of;
+use crate::band::usual_edges_hz;
 use crate::hearing::{Loudness, Partials};
 use crate::joint::{Descent, HELD, LOUDEST, Sounding, cancel};
 use crate::modes::{
@@ -27,7 +27,7 @@ const ROUNDS: usize = 4;
 /// Number of parts of a residual that are compared to tell noise from sound.
 const PARTS: usize = 10;
 /// Number of steps of the descent.
-const STEPS: usize = 100;
+const STEPS: usize = 150;
 /// Number of steps after which the nearest of several starts is known.
 const PROBING: usize = 15;
 /// Length of the strike whose loudness is compared, in seconds.
@@ -45,20 +45,6 @@ const LONGER_S: [f64; 2] = [4.0, 8.0];
 const LEAST_SHARE: f64 = 0.75;
 /// Number of steps of each of these refinements.
 const REFINING_LONGER: usize = 3;
-/// Number of samples in the frames that measure the noise.
-const FRAME: usize = 1024;
-/// Number of these frames, which are denser at the beginning.
-const FRAMES: usize = 48;
-/// Time in seconds behind the beginning of a frame at which its level is measured.
-const MIDDLE_S: f64 = 0.008;
-/// Level, as a power ratio to the loudest band and frame, below which nothing counts: -60 dB.
-const FLOOR: f64 = 1e-6;
-/// Decays of noise that the descent may begin with, in dB/s.
-const DECAYS_DB_PER_S: [f64; 11] = [1.0, 4.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1_200.0, 2_400.0];
-/// Number of levels of noise that the descent may begin with, from below the floor on.
-const LEVELS: u32 = 17;
-/// Distance of these levels in dB.
-const LEVEL_DB: f64 = 5.0;
 
 /// A strike's modes, with or without noise.
 pub(super) enum Near {
@@ -88,11 +74,11 @@ impl Heard<'_> {
 
     /// Modes and noise near to the strike; `None` if it has no audible mode.
     ///
-    /// The descent begins at the audible modes. If these leave nothing but noise, the modes of most
-    /// likelihood are the answer.
+    /// If the audible modes leave nothing but noise, the modes of most likelihood are the answer.
+    /// Else several sets of modes begin a descent. The nearest after a few steps goes on.
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
-        let (audible, longer) = self.audible(settings);
-        let (start, left) = self.start(self.poles(&audible))?;
+        let (mut modes, apart) = self.audible(settings);
+        let (start, left) = self.start_of(&modes, settings)?;
         if left < LITTLE
             && let Some(exact) = self.exact(settings)
         {
@@ -102,17 +88,31 @@ impl Heard<'_> {
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
         let mut descent =
             Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
-        let mut starts = vec![start];
-        starts.extend(longer.into_iter().filter_map(|modes| Some(self.start(self.poles(&modes))?.0)));
-        if starts.len() > 1 {
-            let probed = starts.iter().map(|start| descent.run(start, PROBING).1);
-            let probed: Vec<f64> = probed.collect();
-            let best = (0..starts.len()).min_by(|&a, &b| probed[a].total_cmp(&probed[b])).unwrap_or(0);
-            starts.swap(0, best);
+        let mut nearest = (descent.run(&start, PROBING).1, start);
+        let sounding = |modes: &[DampedSine]| Some(self.start_of(modes, settings)?.0);
+        if let Some(apart) = apart
+            && is_nearer(&mut descent, &mut nearest, sounding(&apart))
+        {
+            modes = apart;
         }
-        let start = &starts[0];
-        let (near, _) = descent.run(start, STEPS);
+        for modes in self.refined_longer(&modes) {
+            is_nearer(&mut descent, &mut nearest, sounding(&modes));
+        }
+        let fuller = self.fuller(&nearest.1.poles, settings);
+        is_nearer(&mut descent, &mut nearest, fuller.and_then(|modes| sounding(&modes)));
+        let (near, _) = descent.run(&nearest.1, STEPS);
         Some(Near::Approached(audible_of(near)))
+    }
+
+    /// Modes with further ones in the place of those that were dropped because they cancel.
+    ///
+    /// No further mode lies within the width of another. `None` if a table may have no more.
+    fn fuller(&self, poles: &[Pole], settings: Settings) -> Option<Vec<DampedSine>> {
+        if poles.len() >= settings.most_modes {
+            return None;
+        }
+        let model = filled(self.part(self.ringing()), self.rate_hz, settings, poles, true)?;
+        Some(self.sines(&model))
     }
 
     fn ringing(&self) -> &[f64] {
@@ -152,8 +152,9 @@ impl Heard<'_> {
     ///
     /// Further ones come from what the first ones leave, by the loudness of that alone: a partial
     /// that beats with another adds no loudness to it. If a table may have still more, the most
-    /// significant ones are added. The second set are these modes refined over a longer time.
-    fn audible(&self, settings: Settings) -> (Vec<DampedSine>, Vec<Vec<DampedSine>>) {
+    /// significant ones are added. In the second set none of these lies within the width of another
+    /// mode.
+    fn audible(&self, settings: Settings) -> (Vec<DampedSine>, Option<Vec<DampedSine>>) {
         let strike = self.strike();
         let ringing = self.ringing();
         let longest = |sound: &[f64]| sound.len().min((LONGEST_S * self.rate_hz) as usize);
@@ -169,24 +170,33 @@ impl Heard<'_> {
             modes = chosen.modes().to_vec();
             if modes.len() < most {
                 let part = self.part(ringing);
-                let filled = filled(part, self.rate_hz, settings, &self.poles(&modes));
-                modes = filled.map_or(modes, |model| self.sines(&model));
+                let known = self.poles(&modes);
+                let fill = |is_apart: bool| {
+                    let model = filled(part, self.rate_hz, settings, &known, is_apart);
+                    model.map_or_else(|| modes.clone(), |model| self.sines(&model))
+                };
+                let (all, apart) = (fill(false), fill(true));
+                return (all, Some(apart));
             }
         }
-        let longer = self.refined_longer(&modes, ringing);
+        (modes, None)
+    }
+
+    /// The beginning of a descent from modes, and their share of the strike's energy that is left.
+    fn start_of(&self, modes: &[DampedSine], settings: Settings) -> Option<(Sounding, f64)> {
         // A refinement may leave drifts and clicks behind, which are no modes.
-        let finished = |mut modes: Vec<DampedSine>| {
-            modes.retain(|mode| is_mode(mode, self.rate_hz, settings));
-            with_partials(modes, &self.samples[..self.onset], strike, self.rate_hz, most)
-        };
-        (finished(modes), longer.into_iter().map(finished).collect())
+        let modes = modes.iter().filter(|mode| is_mode(mode, self.rate_hz, settings)).copied().collect();
+        let before = &self.samples[..self.onset];
+        let modes = with_partials(modes, before, self.strike(), self.rate_hz, settings.most_modes);
+        self.start(self.poles(&modes))
     }
 
     /// Modes refined over more and more of the sound in which they ring.
     ///
     /// Slow modes that lie within some hertz of one another are told apart by how they beat, for
-    /// which the time of the first refinement is too short. `None` if the sound is no longer.
-    fn refined_longer(&self, modes: &[DampedSine], ringing: &[f64]) -> Vec<Vec<DampedSine>> {
+    /// which the time of the first refinement is too short. Empty if the sound is too short, too.
+    fn refined_longer(&self, modes: &[DampedSine]) -> Vec<Vec<DampedSine>> {
+        let ringing = self.ringing();
         let mut longer: Vec<Vec<DampedSine>> = Vec::new();
         for seconds in LONGER_S {
             let length = (seconds * self.rate_hz) as usize;
@@ -291,6 +301,18 @@ impl Heard<'_> {
     }
 }
 
+/// True if a descent from `start` comes nearer to the strike within a few steps than `nearest` did;
+/// then it takes its place.
+fn is_nearer(descent: &mut Descent, nearest: &mut (f64, Sounding), start: Option<Sounding>) -> bool {
+    let Some(start) = start else { return false };
+    let distance = descent.run(&start, PROBING).1;
+    let is_nearer = distance < nearest.0;
+    if is_nearer {
+        *nearest = (distance, start);
+    }
+    is_nearer
+}
+
 /// Poles of a model without the weaker of each two modes that lie within their widths and cancel.
 fn without_cancelling(model: &Model, held: &[usize]) -> Vec<Pole> {
     let gains: Vec<Complex<f64>> = model.gains.iter().flat_map(|gains| gains.modes.clone()).collect();
@@ -328,54 +350,4 @@ fn is_noise(left: &[f64]) -> bool {
     let powers: Vec<f64> = left.chunks_exact(size).map(|part| part.iter().map(|x| x * x).sum()).collect();
     let quietest = powers.iter().copied().fold(f64::INFINITY, f64::min);
     powers.first().is_some_and(|first| *first <= 2.0 * quietest)
-}
-
-/// Noise in bands that brings a model's levels nearest to the recording's, in decibels.
-///
-/// Of every band's levels and decays on a coarse grid the best is taken: a start for the descent.
-fn noise_of(recording: &[f64], left: &[f64], rate_hz: f64) -> Vec<Band> {
-    let spectrogram = Spectrogram::new(FRAME);
-    let bins = spectrogram.bin_count();
-    let count = spectrogram.frame_count(recording.len());
-    let frames: Vec<usize> = (0..=FRAMES).map(|index| count * index * index / (FRAMES * FRAMES)).collect();
-    let frames: Vec<usize> = frames.windows(2).filter(|pair| pair[0] < pair[1]).map(|pair| pair[0]).collect();
-    let starts_s: Vec<f64> = frames.iter().map(|frame| (frame * spectrogram.hop()) as f64 / rate_hz).collect();
-    let model: Vec<f64> = recording.iter().zip(left).map(|(recording, left)| recording - left).collect();
-    // Power that noise of unit rms has in a frame, summed over all bins.
-    let unit = spectrogram.window().iter().map(|w| w * w).sum::<f64>() * FRAME as f64 / 2.0;
-    let [wanted, given] = [recording, &model].map(|sound| -> Vec<f64> {
-        let of_frame = |frame: &usize| {
-            let from = frame * spectrogram.hop();
-            spectrogram.power(&sound[from..sound.len().min(from + FRAME)])
-        };
-        frames.iter().flat_map(of_frame).collect()
-    });
-    let edges_hz = usual_edges_hz(rate_hz);
-    let powers = |power: &[f64], edge: &[f64]| -> Vec<f64> {
-        let [from, to] = [edge[0], edge[1]].map(|hz| hz / rate_hz * FRAME as f64);
-        power.chunks_exact(bins).map(|frame| band_power(frame, from, to) / unit).collect()
-    };
-    let wanted: Vec<Vec<f64>> = edges_hz.windows(2).map(|edge| powers(&wanted, edge)).collect();
-    let loudest = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let floor = FLOOR * loudest;
-    let bands = edges_hz.windows(2).zip(&wanted).map(|(edge, wanted)| {
-        let given = powers(&given, edge);
-        let mut best = (f64::INFINITY, 0.0, 100.0);
-        for decay_db_per_s in DECAYS_DB_PER_S {
-            let falls: Vec<f64> =
-                starts_s.iter().map(|start_s| 10f64.powf(-decay_db_per_s * (start_s + MIDDLE_S) / 10.0)).collect();
-            for step in 0..LEVELS {
-                let power = floor * 10f64.powf(0.1 * LEVEL_DB * (f64::from(step) - 1.0));
-                let error = |((wanted, given), fall): ((&f64, &f64), &f64)| {
-                    (10.0 * ((given + power * fall + floor) / (wanted + floor)).log10()).powi(2)
-                };
-                let cost: f64 = wanted.iter().zip(&given).zip(&falls).map(error).sum();
-                if cost < best.0 {
-                    best = (cost, power, decay_db_per_s);
-                }
-            }
-        }
-        Band { edges_hz: [edge[0], edge[1]], weight: best.1.sqrt(), decay_db_per_s: best.2 }
-    });
-    bands.collect()
 }

@@ -90,6 +90,30 @@ pub(super) fn modes_over_spectrum(view: &View<'_>) -> String {
     chart.figure()
 }
 
+/// Chart of the audible partials: where and how loud they are, and which have a mode.
+///
+/// `None` if no partial is audible.
+pub(super) fn audible_partials(view: &View<'_>) -> Option<String> {
+    let partials = &view.fitted.report.partials;
+    let levels = || partials.iter().map(|partial| partial.level_db);
+    let (softest, loudest) = (levels().reduce(f64::min)?, levels().reduce(f64::max)?);
+    let range_hz = (SPECTROGRAM_HZ.0, SPECTROGRAM_HZ.1.min(0.5 * view.rate_hz));
+    let axis = Axis::linear((softest - 10.0).max(-10.0), loudest + 5.0, "level, dB SPL");
+    let mut chart = Chart::new("Audible partials", Axis::frequency(range_hz.0, range_hz.1), axis);
+    chart.explain("law", "with a mode, level right");
+    chart.explain("noise", "with a mode, off by over 3 dB");
+    chart.explain("fit hollow", "without a mode");
+    for partial in partials {
+        let class = match partial.mode_hz {
+            None => "fit hollow",
+            Some(_) if partial.error_db.abs() > fit::hearing::RIGHT_DB => "noise",
+            Some(_) => "law",
+        };
+        chart.stem(class, partial.frequency_hz, partial.level_db);
+    }
+    Some(chart.figure())
+}
+
 /// Chart of T60 over frequency: of the modes, of the damping law and of the room.
 pub(super) fn decays(view: &View<'_>) -> String {
     let report = &view.fitted.report;

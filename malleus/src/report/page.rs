@@ -92,6 +92,7 @@ fn page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<String
         figures::decays(&view),
         figures::error_over_time(&view),
         figures::loudness_error(path, &view)?,
+        figures::audible_partials(&view).unwrap_or_default(),
         figures::bark_gain(&view).unwrap_or_default(),
         figures::residual(&view).unwrap_or_default(),
     ];

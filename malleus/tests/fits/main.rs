@@ -1,6 +1,8 @@
-//! `malleus fit` as its user calls it: dynamic filters, priors and reports.
+//! `malleus fit` as its user calls it: tables on any number of cores, dynamic filters, priors and
+//! reports.
 //! `cargo test -p malleus --test fits report::` runs one part.
 
+mod cores;
 mod dynamic_filter;
 mod prior;
 mod report;

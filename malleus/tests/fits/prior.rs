@@ -23,7 +23,7 @@ const SILENCE: usize = 2_205;
 
 /// Strike on a cymbal, 1 s at 44.1 kHz behind silence: 12 modes, and noise in every bin that decays
 /// by 60 dB in 0.7 s. Strikes of other seeds have other noise.
-fn strike(seed: u64) -> Vec<f64> {
+pub(crate) fn strike(seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut noise = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -42,7 +42,7 @@ fn strike(seed: u64) -> Vec<f64> {
     before.chain(sound).collect()
 }
 
-fn write(path: &Path, samples: &[f64]) {
+pub(crate) fn write(path: &Path, samples: &[f64]) {
     let spec = hound::WavSpec {
         channels: 1,
         sample_rate: 44_100,

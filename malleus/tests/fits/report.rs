@@ -139,7 +139,7 @@ fn each_recording_has_a_page_that_is_well_formed_and_self_contained() {
         let html = read(&fitted.path(&format!("pages/{name}.html")));
         assert_well_formed_and_self_contained(&html);
         assert!(tags(&html).iter().filter(|tag| tag.name == "audio" && !tag.closes).count() >= 2);
-        assert!(tags(&html).iter().filter(|tag| tag.name == "svg" && !tag.closes).count() >= 6);
+        assert!(tags(&html).iter().filter(|tag| tag.name == "svg" && !tag.closes).count() >= 7);
         assert!(!html.contains("<b>"), "names are text, not markup");
     }
     let index = read(&fitted.path("pages/index.html"));
@@ -192,8 +192,18 @@ document.addEventListener("securitypolicyviolation", event => blocked.push(event
     pictures.push(image.naturalWidth);
   }
   const charts = [...document.querySelectorAll("svg")].map(chart => chart.getBoundingClientRect().height);
+  const score = document.querySelector(".blind output");
+  const [play, ...answers] = document.querySelectorAll(".blind button");
+  answers[0].click();
+  const counts = [score.textContent];
+  for (const answer of answers) {
+    play.click();
+    answer.click();
+    counts.push(score.textContent);
+    answer.click();
+  }
   const outside = performance.getEntriesByType("resource").map(entry => entry.name).filter(name => !name.startsWith("data:"));
-  const found = { sounds, pictures, charts, outside, blocked, wide: document.documentElement.scrollWidth - innerWidth };
+  const found = { sounds, pictures, charts, counts, outside, blocked, wide: document.documentElement.scrollWidth - innerWidth };
   const note = document.createElement("pre");
   note.id = "found";
   note.textContent = JSON.stringify(found);
@@ -224,6 +234,18 @@ fn dump(browser: &str, window: &str, probe: &Path) -> String {
         said = String::from_utf8_lossy(&shown.stderr).into_owned();
     }
     panic!("the page's script did not end: {said}")
+}
+
+/// Asserts that the blind comparison counted two answers, of which the first said "the recording"
+/// and the second "the fit", and none that came without a sound.
+fn assert_counts_answers(counts: &[serde_json::Value], found: &serde_json::Value) {
+    let counts: Vec<&str> = counts.iter().filter_map(|count| count.as_str()).collect();
+    assert_eq!(counts.len(), 3, "{found}");
+    assert!(counts[0].starts_with("0 of 0 right"), "an answer counts without a sound: {found}");
+    let first = usize::from(counts[1].starts_with("That was the recording."));
+    let second = usize::from(counts[2].starts_with("That was the fit."));
+    assert!(counts[1].contains(&format!(". {first} of 1 right")), "{found}");
+    assert!(counts[2].contains(&format!(". {} of 2 right", first + second)), "{found}");
 }
 
 #[test]
@@ -257,9 +279,10 @@ fn page_in_a_browser_shows_its_pictures_plays_its_sounds_and_fetches_nothing() {
             "{found}"
         );
         assert!(
-            list("charts").len() >= 6 && list("charts").iter().all(|height| height.as_f64() > Some(150.0)),
+            list("charts").len() >= 7 && list("charts").iter().all(|height| height.as_f64() > Some(150.0)),
             "{found}"
         );
+        assert_counts_answers(&list("counts"), &found);
         assert!(list("outside").is_empty() && list("blocked").is_empty(), "{found}");
         assert!(found["wide"].as_f64() <= Some(0.0), "the page is wider than its window: {found}");
     }
