@@ -90,7 +90,7 @@ pub trait Board {
             frame_cycles: Some(Self::FRAME_CYCLES),
             position_cycles: Some(Self::POSITION_CYCLES),
             frame_worst_percent: Self::FRAME_WORST_PERCENT,
-            frame_percent: 100 * Self::FRAME_WORST_PERCENT / Self::WORST_PERCENT,
+            loop_percent: 100 * Self::FRAME_WORST_PERCENT / Self::WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,
             ..Setup::new(Self::rate())
         }

@@ -66,19 +66,25 @@ impl<S: Sample> Engine<'_, '_, S> {
             let survey_cycles: u32 = survey.iter().map(|&(item, count)| item.cycles() * count).sum();
             let guards = rest.of(CostItem::GuardedGroup) * CostItem::GuardedGroup.cycles();
             let sheddable = rest.of(CostItem::KernelCycle) + guards;
-            let amount = if predicted + survey_cycles - sheddable.min(predicted) > budget {
-                // If no group can be kept, there is nothing to choose.
+            let least = predicted + survey_cycles - sheddable.min(predicted);
+            let amount = if least > budget + margin / 2 {
+                // If no group can be kept, there is nothing to choose. A choice may take some of
+                // what is kept free: without it the strike would be silent.
                 self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
                 ShedAmount::All
             } else {
                 self.report.counts.add_all(survey);
-                ShedAmount::Cycles(predicted + survey_cycles - budget)
+                // Groups free what they take, of which the prediction has a part.
+                ShedAmount::Cycles((predicted + survey_cycles - budget) * 100 / self.loop_percent.max(1))
             };
             let shed = self.shed(amount, direct);
             // Pads without any group left cost less still; only the groups' own share is certain.
             let kernels = match amount {
                 ShedAmount::All => u32::MAX,
-                _ => shed.cycles.saturating_sub(shed.unguarded_groups * CostItem::GuardedGroup.cycles()),
+                _ => {
+                    let guards = shed.unguarded_groups * CostItem::GuardedGroup.cycles();
+                    shed.cycles.saturating_sub(guards) * self.loop_percent / 100
+                }
             };
             rest.remove(CostItem::KernelCycle, kernels);
             rest.remove(CostItem::GuardedGroup, shed.unguarded_groups);
@@ -236,7 +242,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
                 let (cycles, running) = bank.cycles(used, frames);
                 let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
-                counts.add(CostItem::KernelCycle, cycles);
+                counts.add(CostItem::KernelCycle, cycles * self.loop_percent / 100);
                 counts.add(CostItem::SecondFrame, if has_second { running * frames } else { 0 });
                 on_bus |= has_second;
                 // The prediction of a driven bank takes twice as long.
@@ -248,17 +254,21 @@ impl<S: Sample> Engine<'_, '_, S> {
                     counts.add(item, running);
                 }
             }
-            counts.add(CostItem::StrikerBank, banks.max(1) - 1);
+            let strikers = banks.max(1) - 1;
+            counts.add(CostItem::StrikerBank, strikers);
+            counts.add(CostItem::BusFrame, strikers * frames);
             if is_driven && groups == 0 {
                 // Nothing answers the force.
                 continue;
             }
             on_bus |= voice.filters_join_in(is_driven);
             if is_driven {
-                let is_quick = voice.drives_quickly() && !on_bus;
-                counts.add(if is_quick { CostItem::DrivenPad } else { CostItem::BusDrivenPad }, 1);
-                if is_quick && pad_banks.iter().any(Bank::has_onset) {
-                    counts.add(CostItem::OnsetFrame, frames);
+                if voice.drives_quickly() && !on_bus {
+                    counts.add(CostItem::DrivenPad, 1);
+                    counts.add(CostItem::OnsetFrame, if pad_banks.iter().any(Bank::has_onset) { frames } else { 0 });
+                } else {
+                    counts.add(CostItem::BusDrivenPad, 1);
+                    counts.add(CostItem::BusFrame, frames);
                 }
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
@@ -282,12 +292,13 @@ impl<S: Sample> Engine<'_, '_, S> {
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_direct = direct_input(direct, number) > 0.0;
             let is_driven = contact_frames > 0 || is_direct;
-            let cycles = object.head_cycles(frames, is_driven) * self.frame_percent / 100;
+            let cycles = object.head_cycles(frames, is_driven) * self.loop_percent / 100;
             counts.add(CostItem::ResidualCycle, cycles);
             if voice.group_count() > 0 {
                 // Its strikers' banks have been counted with their bus.
             } else if is_driven {
                 counts.add(CostItem::BusDrivenPad, 1);
+                counts.add(CostItem::BusFrame, frames);
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
                 counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });

@@ -17,7 +17,7 @@ pub enum CostItem {
     /// Pad that rings freely in a run, by way of its own bus: it is loud, or a striker's bank
     /// rings.
     BusPad,
-    /// Frame of a [`BusPad`](Self::BusPad).
+    /// Frame of a bank that goes by way of its pad's bus.
     BusFrame,
     /// Striker's bank that rings or is driven in a run.
     StrikerBank,
@@ -57,7 +57,7 @@ pub enum CostItem {
     Look,
     /// Register group whose cost a prediction looks up.
     PredictedGroup,
-    /// Cycle of the modes' kernels.
+    /// Cycle of the modes' kernels, of which [`Setup`](super::Setup::loop_percent) has a part count.
     KernelCycle,
     /// Strike that begins a residual.
     ResidualStrike,
@@ -87,9 +87,9 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::RingingPad, 1089),
     (CostItem::BusPad, 1262),
     (CostItem::BusFrame, 49),
-    (CostItem::StrikerBank, 2394),
+    (CostItem::StrikerBank, 826),
     (CostItem::DrivenPad, 2820),
-    (CostItem::BusDrivenPad, 5290),
+    (CostItem::BusDrivenPad, 3722),
     (CostItem::DrivenFrame, 20),
     (CostItem::ContactFrame, 131),
     (CostItem::DirectFrame, 21),
@@ -101,7 +101,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::MovedMode, 1300),
     (CostItem::SecondFrame, 205),
     (CostItem::OnsetFrame, 32),
-    (CostItem::Survey, 5500),
+    (CostItem::Survey, 4900),
     (CostItem::SurveyedGroup, 125),
     (CostItem::Look, 800),
     (CostItem::PredictedGroup, 30),

@@ -138,7 +138,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             has_mixer: false,
             retired_in_frames: 0.0,
             frames_tick_cycles: 0,
-            frame_percent: setup.frame_percent,
+            loop_percent: setup.loop_percent,
             frame_cycles: setup.frame_cycles.map(|all| all.saturating_sub(STRUCK_PAD_FRAME * (pads - 1) as u32)),
             words: Words::default(),
             now: 0,

@@ -42,10 +42,10 @@ pub struct Setup {
     /// Most cycles that frames take, in percent of their nominal ones: what they leave of
     /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.
     pub frame_worst_percent: u32,
-    /// Percent of their cycles that frames count for in the
-    /// [budget](crate::engine::Engine::set_budget), whose reserve for the worst case of other parts
-    /// is more than frames need.
-    pub frame_percent: u32,
+    /// Percent of their cycles that the loops over modes, in frames and in kernels, count for in
+    /// the [budget](crate::engine::Engine::set_budget): the reserve that it has for the worst case
+    /// of straight code is more than loops need, which wait little for flash.
+    pub loop_percent: u32,
     /// Ceiling of the limiter on the stereo sum in dB of full scale, -40 to 0; `None` for no
     /// limiter.
     pub ceiling_db: Option<f32>,
@@ -63,7 +63,7 @@ impl Setup {
             frame_cycles: None,
             position_cycles: None,
             frame_worst_percent: 100,
-            frame_percent: 100,
+            loop_percent: 100,
             ceiling_db: None,
         }
     }

@@ -95,7 +95,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         {
             mixer.begin_block(self.voices);
         }
-        self.frames_tick_cycles = self.frames.as_deref().map_or(0, FrameMixer::tick_cycles) * self.frame_percent / 100;
+        self.frames_tick_cycles = self.frames.as_deref().map_or(0, FrameMixer::tick_cycles) * self.loop_percent / 100;
     }
 
     /// Adds the block of the pads in frames that plays to a run of the stereo bus.

@@ -77,8 +77,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) retired_in_frames: f32,
     /// Cycles that the pads in frames count for in this tick, their heads aside.
     pub(super) frames_tick_cycles: u32,
-    /// Percent of their cycles that frames count for in the budget.
-    pub(super) frame_percent: u32,
+    /// Percent of their cycles that the loops over modes count for in the budget.
+    pub(super) loop_percent: u32,
     /// Nominal cycles a frame that are left for further pads in frames; `None` without a limit.
     pub(super) frame_cycles: Option<u32>,
     pub(super) words: Words,

@@ -9,7 +9,7 @@ use virtual_board::{Board, CycleCase, PiezoSignal, Report, Setup};
 
 #[test]
 fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
-    for board in Board::ALL {
+    let loads = Board::ALL.map(|board| {
         let piezos = (0..4).map(|piezo| {
             let strokes = (0..20).map(|n| (0.3 + 0.035 * f64::from(n) + 0.003 * piezo as f64, 0.9));
             signal(piezo, 1.1, &strokes.collect::<Vec<_>>())
@@ -23,16 +23,17 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
             100.0 * load,
             100.0 * report.idle_share
         );
-        // The limit leaves a margin before a half is missed. The F407 board takes 73.1 %, the
-        // BlackPill 87.8 %; both move by some percent with what is left out.
-        assert!(load <= 0.90, "{}: {load:.3} of the time to the deadline", board.name());
         assert!(
             !report.log.iter().any(|line| line.message.contains("missed") && line.level == "warn"),
             "{:#?}",
             report.log
         );
         assert_eq!(report.audio.late_halves, 0, "{}", board.name());
-    }
+        load
+    });
+    // The limit leaves a margin before a half is missed. The F407 board takes 73.1 %, the BlackPill
+    // 87.8 %; both move by some percent with what is left out.
+    assert!(loads.iter().all(|&load| load <= 0.90), "{loads:?} of the time to the deadline");
 }
 
 /// Returns the time from an interrupt to the first frame that it renders, as a share of a half

@@ -59,6 +59,8 @@ impl Bank<'_> {
             if runs(group, used) {
                 let level = level(group, audience);
                 *place = level;
+                plan.running += 1;
+                plan.lowest = plan.lowest.min(level);
                 let at = usize::from(level);
                 if let (Some(groups), Some(total)) = (plan.groups.get_mut(at), plan.cycles.get_mut(at)) {
                     *groups += 1;

@@ -44,6 +44,10 @@ pub struct ShedPlan<'l> {
     pub(super) surveyed: usize,
     /// Groups and cycles of each level.
     pub(super) groups: [u16; LEVELS],
+    /// Number of groups that would run.
+    pub(super) running: u16,
+    /// Lowest level of a group. Most plans have groups at few of the levels.
+    pub(super) lowest: u8,
     pub(super) cycles: [u32; LEVELS],
 }
 
@@ -51,7 +55,7 @@ impl<'l> ShedPlan<'l> {
     /// A plan of no group yet; `levels` has a byte for each group of the engine.
     pub fn new(levels: &'l mut [u8]) -> Self {
         levels.fill(SILENT);
-        Self { levels, surveyed: 0, groups: [0; LEVELS], cycles: [0; LEVELS] }
+        Self { levels, surveyed: 0, groups: [0; LEVELS], running: 0, lowest: LEVELS as u8, cycles: [0; LEVELS] }
     }
 
     /// Gives the levels' memory back.
@@ -64,26 +68,38 @@ impl<'l> ShedPlan<'l> {
         self.surveyed += groups;
     }
 
-    /// Number of the quietest groups that must go to free `excess` cycles.
+    /// Cycles, groups and number of each level from the lowest one on.
+    #[inline(always)]
+    fn occupied(&self) -> impl Iterator<Item = (&u32, &u16, u8)> {
+        let from = usize::from(self.lowest)..;
+        let of_level = |((cycles, groups), level)| (cycles, groups, level);
+        let cycles = self.cycles.get(from.clone()).unwrap_or(&[]);
+        cycles.iter().zip(self.groups.get(from).unwrap_or(&[])).zip(self.lowest..).map(of_level)
+    }
+
+    /// Number of the quietest groups that must go to free `excess` cycles. The loudest one stays,
+    /// even if its cycles are missing: they are less than a tick keeps free, and without it a
+    /// strike would be silent.
     pub fn quietest_that_free(&self, excess: u32) -> u16 {
         let (mut total, mut chosen) = (0, 0u16);
-        for (&cycles, &groups) in self.cycles.iter().zip(&self.groups) {
+        for (&cycles, &groups, _) in self.occupied() {
             if total + cycles >= excess {
                 // Of the level in which the excess ends, as many as suffice if the cheapest go
                 // first: a single mode costs a third of a full group's share.
                 let share = (excess - total).div_ceil((cycles / u32::from(groups.max(1))).max(1));
-                return chosen + (share + share / 2 + 1).min(u32::from(groups)) as u16;
+                let share = (share + share / 2 + 1).min(u32::from(groups)) as u16;
+                return (chosen + share).min(self.running.saturating_sub(1));
             }
             (total, chosen) = (total + cycles, chosen + groups);
         }
-        chosen
+        self.running.saturating_sub(1)
     }
 
     /// Choice of the `count` quietest groups, and the cycles of those that lie below the level of
     /// the last.
     pub fn quietest(&self, count: u16) -> (ShedChoice<'_>, u32) {
         let (mut left, mut cycles_below) = (count, 0);
-        for ((&groups, &cycles), threshold) in self.groups.iter().zip(&self.cycles).zip(0u8..) {
+        for (&cycles, &groups, threshold) in self.occupied() {
             if groups > left {
                 let at_threshold = u32::from(left);
                 return (ShedChoice { levels: Some(self.levels), threshold, at_threshold }, cycles_below);
