@@ -227,7 +227,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         for number in self.awake.pads() {
             let Some(voice) = self.voices.get(usize::from(number)) else { break };
-            counts.add(CostItem::Pad, 1);
+            // The cycles of a pad in frames are counted with its head.
+            counts.add(CostItem::Pad, u32::from(voice.frames().is_none()));
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
             let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
             let pad_banks = voice.banks();

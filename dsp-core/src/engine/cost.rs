@@ -57,7 +57,7 @@ pub enum CostItem {
     Look,
     /// Register group whose cost a prediction looks up.
     PredictedGroup,
-    /// Cycle of the modes' kernels, of which [`Setup`](super::Setup::loop_percent) has a part count.
+    /// Cycle of the modes' kernels, of which a [part](super::Setup::loop_percent) counts.
     KernelCycle,
     /// Strike that begins a residual.
     ResidualStrike,

@@ -5,6 +5,7 @@ mod budget;
 mod folder;
 mod levels;
 mod refusals;
+mod strikes_on_boards;
 
 use std::fs;
 

@@ -93,7 +93,7 @@ fn plays_whole(board: Board, (modes, bands): (u32, u32), has_hand: bool, most: f
 
 #[test]
 fn the_disc1_plays_a_thousand_modes_and_a_hundred_bands_whole() {
-    plays_whole(Board::Stm32f407gDisc1, (1025, 100), false, 0.73);
+    plays_whole(Board::Stm32f407gDisc1, (1025, 100), false, 0.77);
 }
 
 #[test]
