@@ -9,6 +9,7 @@ pub mod dynamic_filter;
 pub mod hearing;
 pub mod material;
 pub mod modes;
+pub mod multi_strike;
 pub mod recording;
 pub mod render;
 pub mod residual;
@@ -19,6 +20,7 @@ pub mod segment;
 pub mod stages;
 pub mod strike;
 pub mod synthetic;
+pub mod synthetic_strikes;
 pub mod table;
 
 mod analytic;
