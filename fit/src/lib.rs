@@ -20,7 +20,6 @@ pub mod segment;
 pub mod stages;
 pub mod strike;
 pub mod synthetic;
-pub mod synthetic_strikes;
 pub mod table;
 
 mod analytic;

@@ -29,6 +29,7 @@ pub use bounds::{Bounds, cramer_rao_bounds, standard_deviations_in};
 pub use damped_sine::DampedSine;
 pub use estimate::{Settings, estimate};
 pub(crate) use estimate::{estimate_poles, explains, filled};
+pub(crate) use noise::NoiseFloor;
 pub(crate) use pole::{Pole, add_ringing, project};
 pub(crate) use polish::polish;
 pub(crate) use refine::{Ending, Gains, Group, Model, refine};

@@ -79,6 +79,15 @@ impl Arrow {
         self.right[index] = 0.0;
     }
 
+    /// Holds a shared parameter: its step is 0.
+    pub(crate) fn hold_shared(&mut self, index: usize) {
+        self.border.row_mut(index).fill(0.0);
+        self.corner.row_mut(index).fill(0.0);
+        self.corner.column_mut(index).fill(0.0);
+        self.corner[(index, index)] = 1.0;
+        self.right_shared[index] = 0.0;
+    }
+
     /// Largest decrease that a step promises, `x · r`.
     pub(crate) fn promise(&self, step: &(DVector<f64>, DVector<f64>)) -> f64 {
         self.right.dot(&step.0) + self.right_shared.dot(&step.1)
@@ -174,10 +183,9 @@ impl Factor {
         }
     }
 
-    /// Diagonal of the shared parameters' covariance, in units of the noise variance.
-    pub(crate) fn shared_variances(&self) -> Vec<f64> {
-        let inverse = self.schur.inverse();
-        (0..inverse.nrows()).map(|index| inverse[(index, index)]).collect()
+    /// Covariance of the shared parameters, in units of the noise variance.
+    pub(crate) fn shared_covariance(&self) -> DMatrix<f64> {
+        self.schur.inverse()
     }
 
     /// Covariance of each run of `size` parameters of the band, in units of the noise variance.
@@ -255,9 +263,10 @@ mod tests {
         for index in 0..18 {
             assert!((along[index] - expected[index]).abs() < 1e-10);
         }
-        for (index, variance) in factor.shared_variances().into_iter().enumerate() {
+        let covariance = factor.shared_covariance();
+        for index in 0..4 {
             assert!((shared[index] - expected[18 + index]).abs() < 1e-10);
-            assert!((variance - inverse[(18 + index, 18 + index)]).abs() < 1e-10);
+            assert!((covariance[(index, index)] - inverse[(18 + index, 18 + index)]).abs() < 1e-10);
         }
         for (block, covariance) in factor.covariances(3).into_iter().enumerate() {
             for a in 0..3 {

@@ -51,6 +51,9 @@ impl Fitted {
         if !self.model.strikes.is_empty() {
             equations.arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
         }
+        if self.model.acceleration == 0.0 {
+            equations.arrow.hold_shared(self.model.shared_size() - 1);
+        }
         equations
     }
 }
@@ -61,7 +64,8 @@ pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, endi
     let (mut damping, mut tried) = (1e-3, 0);
     while tried < ending.steps && !best.model.strikes.is_empty() && !best.model.poles.is_empty() {
         let arrow = best.equations(whitening).arrow;
-        let mut accepted = false;
+        // Largest damping at which a step from here was no better.
+        let (mut accepted, mut refused) = (false, 0.0f64);
         while tried < ending.steps && !accepted {
             tried += 1;
             let Some(factor) = arrow.factor(damping) else {
@@ -73,14 +77,20 @@ pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, endi
             };
             let step = arrow.solve(&factor);
             if arrow.promise(&step) < ending.gain * best.energy / samples.len() as f64 {
-                return best;
+                // Damping hides what a direction promises that the sound hardly tells.
+                damping *= 0.01;
+                if damping <= refused.max(LEAST_DAMPING) {
+                    return best;
+                }
+                continue;
             }
             let next = Fitted::new(moved(&best.model, &step.0, &step.1), samples, whitening);
             if next.energy < best.energy {
                 best = next;
-                damping *= 0.1;
+                damping = (damping * 0.1).max(LEAST_DAMPING);
                 accepted = true;
             } else {
+                refused = refused.max(damping);
                 damping = (damping * 10.0).max(1e-6);
             }
             if damping > MOST_DAMPING {
@@ -91,12 +101,16 @@ pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, endi
     best
 }
 
+/// Damping that changes no step, but keeps the equations definite.
+const LEAST_DAMPING: f64 = 1e-12;
 /// Damping at which no step helps any more.
 const MOST_DAMPING: f64 = 1e6;
 /// Largest change of a contact's middle in a step, relative to its contact time.
 const MOST_SHIFT: f64 = 0.3;
 /// Largest change of ln τ and of ln m in a step.
 const MOST_GROWTH: [f64; 2] = [0.4, 0.7];
+/// Largest change of a gain, relative to it, that turns and scales it.
+const MOST_TURN: f64 = 1.5;
 /// Contact times in samples that a step may reach.
 const CONTACT_TIMES: [f64; 2] = [2.0, 2_000.0];
 /// Decays in 1/sample that a step may reach.
@@ -129,7 +143,9 @@ fn moved(model: &Model, along: &DVector<f64>, shared: &DVector<f64>) -> Model {
         };
         let first = model.gain_column(mode);
         for (place, gain) in next.gains[mode].iter_mut().enumerate() {
-            *gain += Complex::new(shared[first + 2 * place], shared[first + 2 * place + 1]);
+            let step = Complex::new(shared[first + 2 * place], shared[first + 2 * place + 1]);
+            // All contacts may be late by one time; the gains then turn by large angles.
+            *gain = if step.norm() < MOST_TURN * gain.norm() { *gain * (step / *gain).exp() } else { *gain + step };
         }
     }
     next.acceleration += shared[shared.len() - 1];
@@ -141,8 +157,10 @@ fn moved(model: &Model, along: &DVector<f64>, shared: &DVector<f64>) -> Model {
 pub(crate) struct Deviations {
     /// Standard deviations of decay and angular frequency of each mode, per sample.
     pub(crate) poles: Vec<[f64; 2]>,
-    /// Standard deviations of real and imaginary part of each mode's gain at its first place.
-    pub(crate) gains: Vec<[f64; 2]>,
+    /// Standard deviation of ln |g| of each gain, mode by mode and place by place.
+    pub(crate) gains: Vec<Vec<f64>>,
+    /// Standard deviation of the factor from force to acceleration sound.
+    pub(crate) acceleration: f64,
     /// Covariance of middle, ln τ and ln m (and position) of each strike.
     pub(crate) strikes: Vec<DMatrix<f64>>,
 }
@@ -153,7 +171,7 @@ pub(crate) struct Deviations {
 pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Deviations> {
     let factor = fitted.equations(whitening).arrow.factor(0.0)?;
     let variance = fitted.noise_rms().powi(2);
-    let shared: Vec<f64> = factor.shared_variances().into_iter().map(|x| (x * variance).sqrt()).collect();
+    let shared = factor.shared_covariance() * variance;
     let model = &fitted.model;
     let mut strikes: Vec<DMatrix<f64>> =
         factor.covariances(model.strike_size()).into_iter().map(|block| block * variance).collect();
@@ -163,9 +181,17 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
         held.column_mut(2).fill(0.0);
     }
     let modes = 0..model.poles.len();
+    let acceleration = if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
+    let of_gain = |mode: usize, place: usize| {
+        let (gain, first) = (model.gains[mode][place], model.gain_column(mode) + 2 * place);
+        let direction = [gain.re / gain.norm_sqr(), gain.im / gain.norm_sqr()];
+        let along = |a: usize, b: usize| direction[a] * direction[b] * shared[(first + a, first + b)];
+        (along(0, 0) + 2.0 * along(0, 1) + along(1, 1)).sqrt()
+    };
     Some(Deviations {
-        poles: modes.clone().map(|mode| [shared[2 * mode], shared[2 * mode + 1]]).collect(),
-        gains: modes.map(|mode| model.gain_column(mode)).map(|first| [shared[first], shared[first + 1]]).collect(),
+        poles: modes.clone().map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
+        gains: modes.map(|mode| (0..model.places()).map(|place| of_gain(mode, place)).collect()).collect(),
+        acceleration,
         strikes,
     })
 }
@@ -176,7 +202,8 @@ mod tests {
     use crate::multi_strike::contact::Contact;
     use crate::multi_strike::model::Strike;
     use crate::random::SplitMix64;
-    use crate::synthetic_strikes::plain;
+    use crate::multi_strike::synthetic::plain;
+    use crate::multi_strike::truth::model_of;
 
     fn random_model(random: &mut SplitMix64, places: usize) -> Model {
         let pole = |index: u32| Pole {
@@ -227,7 +254,7 @@ mod tests {
     fn descent_from_nearby_reaches_the_truth_within_its_deviations() {
         let sound = plain(3, 4.0, 6, -60.0);
         let rate = sound.rate_hz;
-        let truth = sound.model();
+        let truth = model_of(&sound);
         let mut start = truth.clone();
         for (index, strike) in start.strikes.iter_mut().enumerate() {
             strike.contact.middle += 0.8 - index as f64 * 0.3;

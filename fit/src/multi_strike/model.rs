@@ -29,7 +29,7 @@ pub(crate) struct Model {
     pub(crate) poles: Vec<Pole>,
     /// Gains of each mode at each place: mode by mode.
     pub(crate) gains: Vec<Vec<C64>>,
-    /// Factor from force to acceleration sound.
+    /// Factor from force to acceleration sound; a fit holds it while it is exactly 0.
     pub(crate) acceleration: f64,
     /// Strikes in order of the middles of their contacts.
     pub(crate) strikes: Vec<Strike>,

@@ -58,30 +58,6 @@ impl TrueStrike {
     }
 }
 
-#[cfg(test)]
-impl StruckOften {
-    /// The truth as the fit's model.
-    pub(crate) fn model(&self) -> crate::multi_strike::Model {
-        use crate::multi_strike::{Contact, Model, Strike};
-        let gain = |mode: &TrueMode| vec![nalgebra::Complex::new(mode.gain[1], -mode.gain[0]) / self.rate_hz];
-        let pole = |mode: &TrueMode| crate::modes::Pole::new(mode.frequency_hz, mode.decay_per_s, self.rate_hz);
-        let strike = |strike: &TrueStrike| Strike {
-            contact: Contact {
-                middle: strike.middle_s() * self.rate_hz,
-                time: strike.contact_time_s * self.rate_hz,
-                peak: strike.peak_force,
-            },
-            position: 0.0,
-        };
-        Model {
-            poles: self.modes.iter().map(pole).collect(),
-            gains: self.modes.iter().map(gain).collect(),
-            acceleration: 0.0,
-            strikes: self.strikes.iter().map(strike).collect(),
-        }
-    }
-}
-
 /// Sample rate in Hz.
 const RATE_HZ: f64 = 44_100.0;
 /// Peak of the sound before the noise.
@@ -119,7 +95,7 @@ fn modes(random: &mut SplitMix64) -> Vec<TrueMode> {
     let of_frequency = |frequency_hz: f64| {
         let t60_s = 1.2 * (frequency_hz / 500.0).powf(-0.6) * (0.3 * random.normal()).exp();
         let level = 10f64.powf(-24.0 / 20.0 * random.uniform());
-        let phase = 0.5 * random.normal();
+        let phase = TAU * random.uniform();
         TrueMode {
             frequency_hz,
             decay_per_s: 1000f64.ln() / t60_s.clamp(0.06, 3.0),
