@@ -1,12 +1,12 @@
 //! Measures the joint fit on synthetic recordings of many strikes, beside the Cramer-Rao bounds.
 //!
-//! `cargo bench -p fit --bench strikes` prints medians over six seeds of 50 strikes in 30 s;
+//! `cargo bench -p fit --bench strikes` prints medians over six seeds of two sets;
 //! `-- SEEDS FIRST` chooses the number of seeds and the first one.
 
 use std::time::Instant;
 
 use fit::modes::Settings;
-use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, plain};
+use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, in_room, plain};
 use fit::multi_strike::{Estimate, ModeEstimate, StrikeEstimate, cramer_rao, estimate};
 use fit::score::quantile;
 
@@ -160,9 +160,18 @@ fn main() {
     let numbers: Vec<u64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     let seeds = numbers.first().copied().unwrap_or(6);
     let first = numbers.get(1).copied().unwrap_or(101);
+    let seeds = first..first + seeds;
+    let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
+    measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), of_plain);
+    let of_room = |seed: u64| in_room(seed, 30.0, 50);
+    measure("room: plain in a room, pink noise -56 dBFS; bounds without the room", seeds, of_room);
+}
+
+/// Fits a set of sounds, and prints the errors.
+fn measure(name: &str, seeds: std::ops::Range<u64>, sound: impl Fn(u64) -> StruckOften) {
     let mut tally = Tally::default();
-    for seed in first..first + seeds {
-        let sound = plain(seed, 30.0, 50, -60.0);
+    for seed in seeds {
+        let sound = sound(seed);
         let start = Instant::now();
         let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default());
         let seconds = start.elapsed().as_secs_f64();
@@ -181,5 +190,5 @@ fn main() {
             (_, None) => println!("seed {seed}: two modes cannot be told apart"),
         }
     }
-    tally.print(&format!("plain, {seeds} seeds of 50 strikes in 30 s, noise -60 dBFS"));
+    tally.print(name);
 }

@@ -4,6 +4,7 @@
 //! turned by `e^{sD}`, ring alike. Only the samples within the contacts tell.
 
 use nalgebra::Complex;
+use rayon::prelude::*;
 
 use super::equations::residual;
 use super::model::Model;
@@ -13,9 +14,9 @@ type C64 = Complex<f64>;
 /// Reach of the search in seconds.
 const REACH_S: f64 = 4e-3;
 /// First step of the search in samples; it is halved down to the last.
-const STEPS: [f64; 2] = [5.0, 0.3];
+const STEPS: [f64; 2] = [2.5, 0.04];
 /// Number of strikes whose contacts are looked at, the strongest.
-const MOST_STRIKES: usize = 4;
+const MOST_STRIKES: usize = 3;
 /// Margin of the samples about a contact, in samples.
 const MARGIN: f64 = 8.0;
 
@@ -81,24 +82,30 @@ pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Mod
 /// Contacts later by a small D leave `D F(t) Σ Re g + D²/2 F(t) Σ Re(s g) + ..`, which vanishes at a
 /// second D near the first. A descent ends at either.
 pub(crate) fn alternatives(model: &Model, left: &[f64]) -> Vec<Model> {
-    let attacks = Attacks::new(model, left, NEAR, 2 * MOST_STRIKES);
-    let count = (NEAR / NEAR_STEP) as i32;
-    let misfits: Vec<(f64, f64)> = (-count..=count)
-        .map(|step| f64::from(step) * NEAR_STEP)
-        .map(|shift| (attacks.misfit(shift), shift))
-        .collect();
-    let is_least = |three: &&[(f64, f64)]| three[1].0 < three[0].0 && three[1].0 <= three[2].0;
-    let mut least: Vec<(f64, f64)> = misfits.windows(3).filter(is_least).map(|three| three[1]).collect();
-    least.retain(|(_, shift)| shift.abs() > NEAR_STEP);
+    let mut least: Vec<(f64, f64)> = Vec::new();
+    for (reach, step) in [NEAR, FAR] {
+        let attacks = Attacks::new(model, left, reach, MOST_STRIKES);
+        let count = (reach / step) as i32;
+        let misfits: Vec<(f64, f64)> = (-count..=count)
+            .into_par_iter()
+            .map(|index| (attacks.misfit(f64::from(index) * step), f64::from(index) * step))
+            .collect();
+        // A window as long as the far search has more of the noise in it.
+        let base = attacks.misfit(0.0);
+        let is_least = |three: &&[(f64, f64)]| three[1].0 < three[0].0 && three[1].0 <= three[2].0;
+        let minima = misfits.windows(3).filter(is_least).map(|three| (three[1].0 - base, three[1].1));
+        least.extend(minima.filter(|(_, shift)| shift.abs() > step));
+    }
     least.sort_by(|a, b| a.0.total_cmp(&b.0));
     least.into_iter().take(MOST_ALTERNATIVES).map(|(_, shift)| shifted(model, shift)).collect()
 }
 
 /// Reach and step in samples of the search for other times near a fitted one.
-const NEAR: f64 = 8.0;
-const NEAR_STEP: f64 = 0.1;
+const NEAR: (f64, f64) = (4.0, 0.1);
+/// Reach and step in samples of the search far from a fitted one.
+const FAR: (f64, f64) = (60.0, 0.7);
 /// Maximum number of other times.
-const MOST_ALTERNATIVES: usize = 2;
+const MOST_ALTERNATIVES: usize = 3;
 
 fn shifted(model: &Model, shift: f64) -> Model {
     let mut shifted = model.clone();
@@ -117,8 +124,7 @@ fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64,
     contact.middle += shift;
     for mode in 0..model.poles.len() {
         let exponent = model.exponent(mode);
-        let gain: C64 =
-            model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
+        let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
         for (n, x) in (from..).zip(samples.iter_mut()) {
             *x += (gain * contact.response(exponent, n as f64).value).re;
         }

@@ -13,6 +13,12 @@ use crate::modes::Settings;
 
 /// Time in seconds from a known strike within which a change is its own error.
 const KNOWN_S: f64 = 0.008;
+/// Maximum number of modes that are added at a time.
+const MOST_AT_A_TIME: usize = 12;
+/// Ratio to the fastest decay that is searched for from which a mode is an error of a contact.
+const STRAYED: f64 = 1.5;
+/// Distance of two modes in sums of their decays within which only one is dropped at a time.
+const NEIGHBOURS: f64 = 10.0;
 /// Time in seconds behind a contact in which its fit is looked at.
 const LOOKED_AT_S: f64 = 0.03;
 /// Ratio to the median power left behind a strike above which the strike is sought anew.
@@ -41,7 +47,7 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
         let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
         let places = model.places();
         let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
-        for pole in tied_modes(&model, &left, rate_hz, few) {
+        for pole in tied_modes(&model, &left, rate_hz, few).into_iter().take(MOST_AT_A_TIME) {
             model.poles.push(pole);
             // The first step finds the gain, which is linear.
             model.gains.push(vec![Complex::new(1e-6 * loudest, 0.0); places]);
@@ -71,19 +77,52 @@ fn misplaced(fitted: &Fitted, rate_hz: f64) -> (Vec<usize>, f64) {
 
 /// The model without modes and strikes that explain too little for their numbers.
 ///
-/// The Bayesian information criterion asks for ln N times the noise a number.
-pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening) -> Option<Model> {
+/// The Bayesian information criterion asks for ln N times the noise a number. Modes that decay far
+/// faster than `fastest`, in 1/sample, go too.
+pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Option<Model> {
     let deviations = deviations(fitted, whitening)?;
     let mut model = fitted.model.clone();
     let logarithm = (fitted.residual.len() as f64).ln();
-    let is_worthy = |places: &Vec<f64>| places.iter().any(|spread| 4.0 * logarithm * spread * spread < 1.0);
-    let keep: Vec<bool> = deviations.gains.iter().map(is_worthy).collect();
-    let mut kept = keep.iter();
-    model.poles.retain(|_| *kept.next().unwrap_or(&true));
-    let mut kept = keep.iter();
-    model.gains.retain(|_| *kept.next().unwrap_or(&true));
-    let mut covariances = deviations.strikes.iter();
-    model.strikes.retain(|_| covariances.next().is_none_or(|covariance| covariance[(2, 2)] * 3.0 * logarithm < 1.0));
+    // The least spread of any place; a mode that strayed is worth nothing.
+    let spreads: Vec<f64> = (deviations.gains.iter().zip(&model.poles))
+        .map(|(places, pole)| {
+            let spread = places.iter().copied().fold(f64::INFINITY, f64::min);
+            if pole.decay < STRAYED * fastest { spread } else { f64::INFINITY }
+        })
+        .collect();
+    let is_near = |a: usize, b: usize| {
+        let (a, b) = (fitted.model.poles[a], fitted.model.poles[b]);
+        (a.angular - b.angular).abs() < NEIGHBOURS * (a.decay + b.decay)
+    };
+    let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
+    let mut modes = 0..;
+    model.poles.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
+    let mut modes = 0..;
+    model.gains.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
+    let spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
+    let strikes = &fitted.model.strikes;
+    let is_near = |a: usize, b: usize| {
+        (strikes[a].contact.middle - strikes[b].contact.middle).abs()
+            < strikes[a].contact.time + strikes[b].contact.time
+    };
+    let dropped = unworthy(&spreads, 3.0 * logarithm, is_near);
+    let mut places = 0..;
+    model.strikes.retain(|_| !dropped.contains(&places.next().unwrap_or(0)));
     Some(model)
 }
 
+/// Indices whose energy over the noise, `1/spread²`, is below `least`, the worst first.
+///
+/// Two in one place are both worth nothing, so of neighbours only the worse goes at a time.
+fn unworthy(spreads: &[f64], least: f64, is_near: impl Fn(usize, usize) -> bool) -> Vec<usize> {
+    let is_worthy = |index: &usize| least * spreads[*index] * spreads[*index] < 1.0;
+    let mut order: Vec<usize> = (0..spreads.len()).filter(|index| !is_worthy(index)).collect();
+    order.sort_by(|a, b| spreads[*b].total_cmp(&spreads[*a]));
+    let mut dropped: Vec<usize> = Vec::new();
+    for index in order {
+        if !dropped.iter().any(|other| is_near(index, *other)) {
+            dropped.push(index);
+        }
+    }
+    dropped
+}

@@ -157,9 +157,30 @@ mod tests {
             let given = contact.response(pole, sample);
             let turn = step * 1e-2;
             let pairs = [
-                (given.by_middle, slope(at(contact.middle + step, contact.time, pole), at(contact.middle - step, contact.time, pole), step)),
-                (given.by_time, slope(at(contact.middle, contact.time + step, pole), at(contact.middle, contact.time - step, pole), step)),
-                (given.by_pole, slope(at(contact.middle, contact.time, pole + turn), at(contact.middle, contact.time, pole - turn), turn)),
+                (
+                    given.by_middle,
+                    slope(
+                        at(contact.middle + step, contact.time, pole),
+                        at(contact.middle - step, contact.time, pole),
+                        step,
+                    ),
+                ),
+                (
+                    given.by_time,
+                    slope(
+                        at(contact.middle, contact.time + step, pole),
+                        at(contact.middle, contact.time - step, pole),
+                        step,
+                    ),
+                ),
+                (
+                    given.by_pole,
+                    slope(
+                        at(contact.middle, contact.time, pole + turn),
+                        at(contact.middle, contact.time, pole - turn),
+                        turn,
+                    ),
+                ),
             ];
             for (given, slope) in pairs {
                 let scale = 1.0 + contact.time * given.norm();

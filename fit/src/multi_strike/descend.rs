@@ -19,6 +19,8 @@ pub(crate) struct Ending {
 impl Ending {
     /// Descent good enough to search the residual.
     pub(crate) const COARSE: Self = Self { steps: 14, gain: 3.0 };
+    /// Descent good enough to see which modes and strikes explain something.
+    pub(crate) const COMPLETION: Self = Self { steps: 14, gain: 0.1 };
     /// Descent to a tenth of the statistical error of any parameter.
     pub(crate) const FINE: Self = Self { steps: 30, gain: 1e-2 };
 }
@@ -152,6 +154,9 @@ fn moved(model: &Model, along: &DVector<f64>, shared: &DVector<f64>) -> Model {
     next
 }
 
+/// Damping under which equations are definite in spite of rounding.
+const UNTOLD: f64 = 1e-9;
+
 /// Standard deviations of all parameters in the noise that a model leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Deviations {
@@ -169,7 +174,9 @@ pub(crate) struct Deviations {
 ///
 /// `None` if two modes or two strikes cannot be told apart.
 pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Deviations> {
-    let factor = fitted.equations(whitening).arrow.factor(0.0)?;
+    let arrow = fitted.equations(whitening).arrow;
+    // What the sound does not tell gets a large deviation.
+    let factor = arrow.factor(0.0).or_else(|| arrow.factor(UNTOLD))?;
     let variance = fitted.noise_rms().powi(2);
     let shared = factor.shared_covariance() * variance;
     let model = &fitted.model;
@@ -181,7 +188,8 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
         held.column_mut(2).fill(0.0);
     }
     let modes = 0..model.poles.len();
-    let acceleration = if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
+    let acceleration =
+        if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
     let of_gain = |mode: usize, place: usize| {
         let (gain, first) = (model.gains[mode][place], model.gain_column(mode) + 2 * place);
         let direction = [gain.re / gain.norm_sqr(), gain.im / gain.norm_sqr()];
@@ -201,9 +209,9 @@ mod tests {
     use super::*;
     use crate::multi_strike::contact::Contact;
     use crate::multi_strike::model::Strike;
-    use crate::random::SplitMix64;
     use crate::multi_strike::synthetic::plain;
     use crate::multi_strike::truth::model_of;
+    use crate::random::SplitMix64;
 
     fn random_model(random: &mut SplitMix64, places: usize) -> Model {
         let pole = |index: u32| Pole {
@@ -240,7 +248,8 @@ mod tests {
                 let at = |size: f64| {
                     let mut step = DVector::zeros(all);
                     step[index] = size;
-                    let (along, shared) = (step.rows(0, count).into_owned(), step.rows(count, all - count).into_owned());
+                    let (along, shared) =
+                        (step.rows(0, count).into_owned(), step.rows(count, all - count).into_owned());
                     Fitted::new(moved(&model, &along, &shared), &samples, &whitening).energy
                 };
                 let slope = (at(-size) - at(size)) / (4.0 * size);
@@ -273,7 +282,9 @@ mod tests {
         }
         for ((found, truth), deviation) in fitted.model.poles.iter().zip(&truth.poles).zip(&bounds.poles) {
             errors.push((found.decay - truth.decay) / deviation[0]);
-            errors.push((found.frequency_hz(rate) - truth.frequency_hz(rate)) * std::f64::consts::TAU / rate / deviation[1]);
+            errors.push(
+                (found.frequency_hz(rate) - truth.frequency_hz(rate)) * std::f64::consts::TAU / rate / deviation[1],
+            );
         }
         let within = errors.iter().filter(|error| error.abs() < 1.0).count() as f64 / errors.len() as f64;
         assert!((0.5..0.9).contains(&within), "{within}: {errors:?}");

@@ -109,7 +109,7 @@ pub(crate) fn equations(model: &Model, residual: &[f64], whitening: &Whitening, 
     });
     let mut arrow = Arrow::zeros(count, widest * size - 1, model.shared_size());
     let mut waiting: Vec<(&Segment, Ringing, Ringing)> = Vec::with_capacity(AT_A_TIME);
-    let mut flush = |waiting: &mut Vec<(&Segment, Ringing, Ringing)>, arrow: &mut Arrow| {
+    let flush = |waiting: &mut Vec<(&Segment, Ringing, Ringing)>, arrow: &mut Arrow| {
         let parts: Vec<(usize, DMatrix<f64>, DVector<f64>)> = waiting
             .par_iter()
             .map(|(segment, before, after)| of_segment(model, segment, before, after, residual, whitening))

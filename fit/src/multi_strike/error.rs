@@ -20,6 +20,14 @@ pub enum StrikesError {
     /// No mode rings between the strikes.
     #[error("no mode rings between the strikes: give a recording of a thing that rings, with gaps of at least 40 ms")]
     NoModes,
+    /// One thing and its strikes explain too little.
+    #[error(
+        "one thing, struck at one place, leaves {left_db:.1} dB of the recording: a strong room, several things or other sounds are in it; give a drier recording of one thing, or leave out --events"
+    )]
+    Unexplained {
+        /// Energy that is left, in dB of that of the recording.
+        left_db: f64,
+    },
     /// Two modes or strikes cannot be told apart.
     #[error(
         "two modes or strikes cannot be told apart: give a recording of one thing, with less noise or longer gaps, or ask for fewer modes (--modes)"

@@ -1,11 +1,13 @@
 //! The joint fit: from samples to modes, gains and contacts with their standard deviations.
 
+use rayon::prelude::*;
+
 use super::alignment::{aligned, alternatives};
 use super::changes::changes;
 use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
-use super::free::{FreeModes, Guard, free_modes};
 use super::error::StrikesError;
+use super::free::{Guard, free_modes};
 use super::model::Model;
 use super::rises::rises;
 use super::start::starts;
@@ -15,11 +17,21 @@ use crate::modes::Settings;
 /// Order of the whitening filter.
 const ORDER: usize = 12;
 /// Number of starting models whose contacts are aligned.
-const ALIGNED: usize = 8;
+const ALIGNED: usize = 14;
 /// Number of aligned models from which the descent begins.
 const DESCENDED: usize = 3;
+/// Maximum number of rounds of modes and strikes in turn.
+const ROUNDS: usize = 4;
+/// Time in seconds by which no strike moves in a round that ends them.
+const SETTLED_S: f64 = 0.0025;
 /// Maximum number of passes that look for what the model lacks.
-const COMPLETIONS: usize = 6;
+const COMPLETIONS: usize = 5;
+/// Maximum number of times that modes and strikes are dropped in a pass.
+const PRUNINGS: usize = 6;
+/// Number of passes in a row that change no number of modes and strikes, and end them.
+const MOST_STALLED: usize = 2;
+/// Share of the recording's energy that is left from which nothing is explained: -6 dB.
+const UNEXPLAINED: f64 = 0.25;
 /// Least number of strikes that are fitted together.
 pub(crate) const LEAST_STRIKES: usize = 2;
 /// Least length of a recording in seconds.
@@ -46,21 +58,28 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
     }
     let onsets = rises(samples, rate_hz);
     let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
-    let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few).ok_or(StrikesError::TooFew { found: onsets.len() })?;
-    let changed = |free: &FreeModes| -> Vec<usize> {
-        changes(samples, &free.poles, rate_hz, free.variance).into_iter().map(|change| change.0).collect()
-    };
-    let onsets = changed(&free);
-    let free = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings)
-        .filter(|free| !free.poles.is_empty())
-        .ok_or(StrikesError::NoModes)?;
-    let onsets = changed(&free);
+    let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
+        .ok_or(StrikesError::TooFew { found: onsets.len() })?;
+    let (mut free, mut onsets) = (free, onsets);
+    for _ in 0..ROUNDS {
+        let changed: Vec<usize> =
+            changes(samples, &free.poles, rate_hz, free.variance).into_iter().map(|change| change.0).collect();
+        let is_settled = changed.len() == onsets.len()
+            && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
+        onsets = changed;
+        if is_settled {
+            break;
+        }
+        free = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, &free.poles)
+            .filter(|free| !free.poles.is_empty())
+            .ok_or(StrikesError::NoModes)?;
+    }
     if onsets.len() < LEAST_STRIKES {
         return Err(StrikesError::TooFew { found: onsets.len() });
     }
     let starts = starts(samples, &onsets, &free.poles, rate_hz, free.variance);
     let mut aligned: Vec<(f64, Model)> =
-        starts.iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
+        starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
     let white = Whitening::none();
     let coarse = aligned
@@ -69,24 +88,37 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
         .map(|(_, start)| descend(Fitted::new(start, samples, &white), samples, &white, Ending::COARSE));
     let best = coarse.min_by(|a, b| a.energy.total_cmp(&b.energy)).ok_or(StrikesError::TooFew { found: 0 })?;
     let (mut fitted, mut whitening) = (at_best_time(best, samples, &white), white);
+    let mut stalled = 0;
     for _ in 0..COMPLETIONS {
+        let before = (fitted.model.poles.len(), fitted.model.strikes.len());
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
         fitted = Fitted::new(fitted.model, samples, &whitening);
         let more = completed(&fitted, samples, rate_hz, settings);
         let is_complete = more == fitted.model;
-        fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::FINE);
-        let kept = worthy(&fitted, &whitening).ok_or(StrikesError::Untold)?;
-        let is_worthy = kept.poles.len() == fitted.model.poles.len() && kept.strikes.len() == fitted.model.strikes.len();
-        if !is_worthy {
-            fitted = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::FINE);
+        fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
+        for _ in 0..PRUNINGS {
+            let fastest = settings.fastest_decay_per_s / rate_hz;
+            let kept = worthy(&fitted, &whitening, fastest).ok_or(StrikesError::Untold)?;
+            if kept == fitted.model {
+                break;
+            }
+            fitted = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         }
-        if is_complete {
+        let is_stalled = before == (fitted.model.poles.len(), fitted.model.strikes.len());
+        stalled = if is_stalled { stalled + 1 } else { 0 };
+        if is_complete || stalled == MOST_STALLED {
             break;
         }
     }
     if fitted.model.strikes.len() < LEAST_STRIKES {
         return Err(StrikesError::TooFew { found: fitted.model.strikes.len() });
     }
+    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+    let left = energy(&fitted.residual) / energy(samples);
+    if left > UNEXPLAINED {
+        return Err(StrikesError::Unexplained { left_db: 10.0 * left.log10() });
+    }
+    fitted = descend(fitted, samples, &whitening, Ending::FINE);
     fitted = at_best_time(fitted, samples, &whitening);
     fitted = with_acceleration(fitted, samples, &whitening);
     fitted.model.normalise();

@@ -75,20 +75,25 @@ fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f
     chosen
 }
 
-/// Modes that ring between strikes; `None` if there is no time between any.
+/// Modes that ring between strikes, searched for from known ones on; `None` if there is no time between any.
 pub(crate) fn free_modes(
     samples: &[f64],
     onsets: &[usize],
     guard: Guard,
     rate_hz: f64,
     settings: Settings,
+    known: &[Pole],
 ) -> Option<FreeModes> {
     let chosen = loudest_stretches(samples, onsets, guard, rate_hz);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
     let range = SearchRange::new(length, rate_hz, settings);
     let threshold = threshold(groups.len(), samples.len());
-    let mut model = refine(&groups, &[], Ending::COARSE)?;
+    let mut model = refine(&groups, known, Ending::COARSE)?;
+    if !known.is_empty() {
+        let noise = NoiseFloor::of_residual(&residuals(&groups, &model).concat());
+        model = pruned(&groups, model, &noise, range, threshold)?;
+    }
     for _ in 0..PASSES {
         let residuals = residuals(&groups, &model);
         let noise = NoiseFloor::of_residual(&residuals.concat());
@@ -172,8 +177,9 @@ const OVER_SKIRT: f64 = 8.0;
 
 /// Most significant poles that the residuals of all stretches have in common.
 fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, threshold: f64, most: usize) -> Vec<Pole> {
-    let decays: Vec<f64> =
-        std::iter::successors(Some(range.slowest), |decay| Some(decay * 2.0)).take_while(|decay| *decay < 2.0 * range.fastest).collect();
+    let decays: Vec<f64> = std::iter::successors(Some(range.slowest), |decay| Some(decay * 2.0))
+        .take_while(|decay| *decay < 2.0 * range.fastest)
+        .collect();
     let expected = 2.0 * residuals.len() as f64;
     let mut found: Vec<(f64, Pole)> = decays
         .par_iter()
@@ -272,7 +278,6 @@ pub(crate) fn energy_of(pole: Pole, length: usize) -> f64 {
     (1.0 - (-twice * length as f64).exp()) / (1.0 - (-twice).exp())
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -282,14 +287,18 @@ mod tests {
     fn poles_of_all_loud_modes_are_found_between_strikes() {
         let sound = plain(2, 5.0, 8, -60.0);
         let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
-        let found = free_modes(&sound.samples, &onsets, Guard::OF_CHANGE, sound.rate_hz, Settings::default())
+        let found = free_modes(&sound.samples, &onsets, Guard::OF_CHANGE, sound.rate_hz, Settings::default(), &[])
             .map_or(Vec::new(), |free| free.poles);
         let cents = |mode: &crate::multi_strike::synthetic::TrueMode| {
-            let distance =
-                |pole: &Pole| (1200.0 * (pole.frequency_hz(sound.rate_hz) / mode.frequency_hz).log2()).abs();
+            let distance = |pole: &Pole| (1200.0 * (pole.frequency_hz(sound.rate_hz) / mode.frequency_hz).log2()).abs();
             found.iter().map(distance).fold(f64::INFINITY, f64::min)
         };
         let near = sound.modes.iter().filter(|mode| cents(mode) < 1.0).count();
-        assert!(near + 1 >= sound.modes.len() && found.len() <= near + 1, "{near} of {}, {}", sound.modes.len(), found.len());
+        assert!(
+            near + 1 >= sound.modes.len() && found.len() <= near + 1,
+            "{near} of {}, {}",
+            sound.modes.len(),
+            found.len()
+        );
     }
 }

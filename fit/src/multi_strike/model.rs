@@ -145,10 +145,8 @@ mod tests {
         let strikes = [strike(100.0), strike(500.0), strike(512.0), strike(900.0)];
         let found = segments(&strikes, 1000, 4);
         let expected = [(0..1, 90, 115, 490), (1..3, 490, 527, 890), (3..4, 890, 915, 1000)];
-        let expected: Vec<Segment> = expected
-            .into_iter()
-            .map(|(strikes, start, free, end)| Segment { strikes, start, free, end })
-            .collect();
+        let expected: Vec<Segment> =
+            expected.into_iter().map(|(strikes, start, free, end)| Segment { strikes, start, free, end }).collect();
         assert_eq!(found, expected);
     }
 

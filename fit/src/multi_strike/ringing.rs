@@ -145,9 +145,9 @@ impl Effect {
         let (lower, share) = between(strike.position, gains.len());
         let response = strike.contact.response(model.exponent(mode), sample);
         let peak = strike.contact.peak;
-        let slope = gains.get(lower + 1).map_or(C64::new(0.0, 0.0), |upper| {
-            (upper - gains[lower]) * (peak * (gains.len() - 1) as f64)
-        });
+        let slope = gains
+            .get(lower + 1)
+            .map_or(C64::new(0.0, 0.0), |upper| (upper - gains[lower]) * (peak * (gains.len() - 1) as f64));
         Self { response, gain: model.gain(mode, strike.position) * peak, slope, lower, share }
     }
 }

@@ -18,7 +18,7 @@ type C64 = Complex<f64>;
 /// Shortest and longest contact time that is tried, in seconds.
 const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
 /// Number of contact times that are tried for the strongest strike.
-const TRIED: usize = 16;
+const TRIED: usize = 20;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;
 /// Reach of δ before and behind the moment, in seconds.
@@ -26,9 +26,15 @@ const REACH_S: [f64; 2] = [3e-3, 4.5e-3];
 /// Step of δ in samples.
 const STEP: f64 = 0.5;
 /// Error of an amplitude that is allowed for beside the noise, as a share of it.
-const OWN_ERROR: f64 = 0.02;
-/// Number of rounds of gains and contacts in turn.
-const ROUNDS: usize = 10;
+const OWN_ERROR: f64 = 0.006;
+/// Number of rounds of gains and contacts in turn, behind each look at the grid.
+const ROUNDS: usize = 8;
+/// Number of looks at the grid, the later ones with the gains of all strikes.
+const LOOKS: usize = 2;
+/// Least median over strikes of a mode's energy over the noise in an amplitude.
+const STEADY: f64 = 6.0;
+/// Least number of modes that contacts are started from.
+const LEAST_MODES: usize = 4;
 
 /// Change of all modes' amplitudes by a strike.
 struct Change {
@@ -44,12 +50,13 @@ struct Change {
 /// The best fitting comes first. Strikes too close to their neighbours for an amplitude of their
 /// own are left out.
 pub(crate) fn starts(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<Model> {
+    let poles = &steady(&changes(samples, onsets, poles, rate_hz, variance), poles);
     let changes = changes(samples, onsets, poles, rate_hz, variance);
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
-    let Some(strongest) = (0..changes.len())
-        .max_by(|a, b| strength_of(&changes[*a]).total_cmp(&strength_of(&changes[*b])))
+    let Some(strongest) =
+        (0..changes.len()).max_by(|a, b| strength_of(&changes[*a]).total_cmp(&strength_of(&changes[*b])))
     else {
         return Vec::new();
     };
@@ -60,6 +67,24 @@ pub(crate) fn starts(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz:
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
+}
+
+/// Modes that most strikes ring; modes of one stretch alone are errors of that stretch.
+fn steady(changes: &[Change], poles: &[Pole]) -> Vec<Pole> {
+    let significance = |mode: usize| {
+        let mut all: Vec<f64> =
+            changes.iter().map(|change| change.amplitudes[mode].norm_sqr() / change.variances[mode]).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(0.0)
+    };
+    let mut modes: Vec<(f64, Pole)> =
+        poles.iter().enumerate().map(|(mode, pole)| (significance(mode), *pole)).collect();
+    modes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let count = modes.iter().take_while(|(significance, _)| *significance > STEADY).count();
+    modes.truncate(count.max(LEAST_MODES));
+    let mut steady: Vec<Pole> = modes.into_iter().map(|(_, pole)| pole).collect();
+    steady.sort_by(|a, b| a.angular.total_cmp(&b.angular));
+    steady
 }
 
 /// Contact of a strike that a model lacks, near a sample, from what the model leaves.
@@ -90,8 +115,7 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
 
 /// Contact times in samples that are tried.
 fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
-    let tried =
-        |index: usize| rate_hz * TIMES_S[0] * (TIMES_S[1] / TIMES_S[0]).powf(index as f64 / (count - 1) as f64);
+    let tried = |index: usize| rate_hz * TIMES_S[0] * (TIMES_S[1] / TIMES_S[0]).powf(index as f64 / (count - 1) as f64);
     (0..count).map(tried).collect()
 }
 
@@ -141,15 +165,17 @@ fn from_trial(
     let loud = &changes[strongest];
     let mut gains: Vec<C64> =
         loud.amplitudes.iter().zip(&exponents).map(|(a, s)| a / strength(*s, time).value).collect();
-    let spreads: Vec<f64> =
+    let mut spreads: Vec<f64> =
         loud.variances.iter().zip(&exponents).map(|(v, s)| v / strength(*s, time).value.norm_sqr()).collect();
     // δ of the strongest strike is 0: its gains hold the phases, which turn all δ by one amount.
-    let mut contacts: Vec<Contact> = changes
-        .iter()
-        .map(|change| on_grid(change, &gains, &spreads, &exponents, grid, rate_hz))
-        .collect();
-    let mut misfit = f64::INFINITY;
-    for _ in 0..ROUNDS {
+    let (mut contacts, mut misfit) = (Vec::new(), f64::INFINITY);
+    for round in 0..LOOKS * ROUNDS {
+        if round % ROUNDS == 0 {
+            let look = |change: &Change| on_grid(change, &gains, &spreads, &exponents, grid, rate_hz);
+            contacts = changes.iter().map(look).collect::<Vec<Contact>>();
+            // The next look has gains of all strikes.
+            spreads.fill(0.0);
+        }
         contacts.iter_mut().zip(changes).for_each(|(contact, change)| improve(contact, change, &gains, &exponents));
         let mut left = 0.0;
         for (mode, gain) in gains.iter_mut().enumerate() {
@@ -187,21 +213,13 @@ fn shape(contact: &Contact, exponent: C64) -> C64 {
 }
 
 /// Contact that explains most of a change, on a grid over contact time and middle.
-fn on_grid(
-    change: &Change,
-    gains: &[C64],
-    spreads: &[f64],
-    exponents: &[C64],
-    grid: &[f64],
-    rate_hz: f64,
-) -> Contact {
+fn on_grid(change: &Change, gains: &[C64], spreads: &[f64], exponents: &[C64], grid: &[f64], rate_hz: f64) -> Contact {
     let energy: f64 = change.amplitudes.iter().map(C64::norm_sqr).sum();
     let steps = ((REACH_S[0] + REACH_S[1]) * rate_hz / STEP) as usize;
     let turns: Vec<C64> = exponents.iter().map(|s| C64::new(0.0, s.im * STEP).exp()).collect();
     let mut best = (0.0, Contact { middle: 0.0, time: grid[0], peak: 1e-9 });
     for &time in grid {
-        let shapes: Vec<C64> =
-            exponents.iter().zip(gains).map(|(s, gain)| gain * strength(*s, time).value).collect();
+        let shapes: Vec<C64> = exponents.iter().zip(gains).map(|(s, gain)| gain * strength(*s, time).value).collect();
         let loudness = energy / shapes.iter().map(C64::norm_sqr).sum::<f64>().max(1e-300);
         let strengths = exponents.iter().map(|s| strength(*s, time).value.norm_sqr());
         let weights: Vec<f64> = (change.variances.iter().zip(spreads).zip(strengths))

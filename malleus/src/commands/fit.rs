@@ -16,7 +16,7 @@ use super::fit_filter::{self, FilterReport};
 use super::fit_job::{Job, with_file};
 use super::fit_names as names;
 use super::fit_strikes::{self, StrikesReport};
-use super::output::{print, print_json, progress};
+use super::output::{print, print_json, progress, refuse_input};
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// One input and the outcome of its fit, a row of the report.
@@ -53,6 +53,9 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     }
     if arguments.events.is_some() && arguments.input.len() > 1 {
         return Err(CommandError::OneEvents { inputs: arguments.input.len() });
+    }
+    if let Some(events) = &arguments.events {
+        refuse_input(events, arguments.input.iter().map(PathBuf::as_path))?;
     }
     if !one_file {
         make_folder(&arguments.output)?;

@@ -197,11 +197,7 @@ impl Row<'_> {
     }
 
     /// A number of a column that may be empty.
-    fn number(
-        &self,
-        column: &'static str,
-        range: std::ops::RangeInclusive<f64>,
-    ) -> Result<Option<f64>, EventsFault> {
+    fn number(&self, column: &'static str, range: std::ops::RangeInclusive<f64>) -> Result<Option<f64>, EventsFault> {
         let text = self.field(column);
         if text.is_empty() {
             return Ok(None);
