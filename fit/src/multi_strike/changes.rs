@@ -23,7 +23,6 @@ const UNDER_NEIGHBOUR: f64 = 1e-3;
 /// Samples near which amplitudes change, with the energy of each change in units of `variance`.
 pub(crate) fn changes(samples: &[f64], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<(usize, f64)> {
     let hop = ((WINDOW_S * rate_hz) as usize / HOPS).max(1);
-    let window = hop * HOPS;
     // Factors of the inner products over every number of hops, from one on.
     let factors: Vec<Option<Cholesky<f64, Dyn>>> =
         (1..=3 * HOPS).into_par_iter().map(|count| normal(poles, count * hop)).collect();

@@ -2,7 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::equations::{Equations, energy, equations, residual};
+use super::arrow::Arrow;
+use super::equations::{energy, equations, residual};
 use super::model::Model;
 use super::whitening::Whitening;
 use crate::modes::Pole;
@@ -48,15 +49,15 @@ impl Fitted {
     }
 
     /// Normal equations at the model, with the unit of force held.
-    pub(crate) fn equations(&self, whitening: &Whitening) -> Equations {
-        let mut equations = equations(&self.model, &self.residual, whitening, self.noise_rms());
+    pub(crate) fn equations(&self, whitening: &Whitening) -> Arrow {
+        let mut arrow = equations(&self.model, &self.residual, whitening, self.noise_rms());
         if !self.model.strikes.is_empty() {
-            equations.arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
+            arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
         }
         if self.model.acceleration == 0.0 {
-            equations.arrow.hold_shared(self.model.shared_size() - 1);
+            arrow.hold_shared(self.model.shared_size() - 1);
         }
-        equations
+        arrow
     }
 }
 
@@ -65,7 +66,7 @@ pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, endi
     let mut best = from;
     let (mut damping, mut tried) = (1e-3, 0);
     while tried < ending.steps && !best.model.strikes.is_empty() && !best.model.poles.is_empty() {
-        let arrow = best.equations(whitening).arrow;
+        let arrow = best.equations(whitening);
         // Largest damping at which a step from here was no better.
         let (mut accepted, mut refused) = (false, 0.0f64);
         while tried < ending.steps && !accepted {
@@ -174,7 +175,7 @@ pub(crate) struct Deviations {
 ///
 /// `None` if two modes or two strikes cannot be told apart.
 pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Deviations> {
-    let arrow = fitted.equations(whitening).arrow;
+    let arrow = fitted.equations(whitening);
     // What the sound does not tell gets a large deviation.
     let factor = arrow.factor(0.0).or_else(|| arrow.factor(UNTOLD))?;
     let variance = fitted.noise_rms().powi(2);
@@ -240,7 +241,7 @@ mod tests {
             let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
             let whitening = Whitening::of_residual(&samples, 5);
             let fitted = Fitted::new(model.clone(), &samples, &whitening);
-            let arrow = equations(&model, &fitted.residual, &whitening, 0.0).arrow;
+            let arrow = equations(&model, &fitted.residual, &whitening, 0.0);
             let (along, shared) = arrow.right_sides();
             let (count, all) = (along.len(), along.len() + shared.len());
             for index in 0..all {

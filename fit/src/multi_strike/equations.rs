@@ -77,12 +77,6 @@ fn subtract(model: &Model, segment: &Segment, amplitudes: &[C64], samples: &mut 
     }
 }
 
-/// Normal equations at a model, and its whitened residual's energy.
-pub(crate) struct Equations {
-    pub(crate) arrow: Arrow,
-    pub(crate) energy: f64,
-}
-
 /// Energy of the whitened residual, summed in an order that does not depend on threads.
 pub(crate) fn energy(residual: &[f64], whitening: &Whitening) -> f64 {
     const CHUNK: usize = 1 << 16;
@@ -98,7 +92,7 @@ pub(crate) fn energy(residual: &[f64], whitening: &Whitening) -> f64 {
 }
 
 /// Normal equations of all parameters; `noise_rms` is that of the whitened residual.
-pub(crate) fn equations(model: &Model, residual: &[f64], whitening: &Whitening, noise_rms: f64) -> Equations {
+pub(crate) fn equations(model: &Model, residual: &[f64], whitening: &Whitening, noise_rms: f64) -> Arrow {
     let all = segments(&model.strikes, residual.len(), whitening.order());
     let size = model.strike_size();
     let count = model.strikes.len() * size;
@@ -130,7 +124,7 @@ pub(crate) fn equations(model: &Model, residual: &[f64], whitening: &Whitening, 
         step_out(model, segment, &mut ringing, noise_rms);
     }
     flush(&mut waiting, &mut arrow);
-    Equations { arrow, energy: energy(residual, whitening) }
+    arrow
 }
 
 /// Visits each segment with its first strike still heard, its own, and the end of its own.

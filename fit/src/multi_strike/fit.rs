@@ -43,7 +43,6 @@ const FIRST_MODES: usize = 16;
 #[derive(Clone, Debug)]
 pub(crate) struct JointFit {
     pub(crate) fitted: Fitted,
-    pub(crate) whitening: Whitening,
     pub(crate) deviations: Deviations,
 }
 
@@ -123,7 +122,7 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
     fitted = with_acceleration(fitted, samples, &whitening);
     fitted.model.normalise();
     let deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
-    Ok(JointFit { fitted, whitening, deviations })
+    Ok(JointFit { fitted, deviations })
 }
 
 /// The best of a fit and of those with all contacts at another time.

@@ -132,7 +132,7 @@ fn pink_noise(random: &mut SplitMix64, length: usize) -> Vec<f64> {
     let mut bins = forward.make_output_vec();
     let is_made = forward.process(&mut noise, &mut bins).is_ok();
     for (index, bin) in bins.iter_mut().enumerate() {
-        *bin = *bin / (index as f64 * RATE_HZ / size as f64).max(10.0).sqrt();
+        *bin /= (index as f64 * RATE_HZ / size as f64).max(10.0).sqrt();
     }
     bins[0] = fourier::Complex::new(0.0, 0.0);
     if let Some(last) = bins.last_mut() {
