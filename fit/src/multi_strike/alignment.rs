@@ -79,8 +79,8 @@ pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Mod
 
 /// Models with all contacts at other times that leave little too, the least first.
 ///
-/// Contacts later by a small D leave `D F(t) Σ Re g + D²/2 F(t) Σ Re(s g) + ..`, which vanishes at a
-/// second D near the first. A descent ends at either.
+/// Contacts later by a small D leave `D F(t) Σ Re g + D²/2 F(t) Σ Re(s g) + ..`, which vanishes at
+/// a second D near the first. A descent ends at either.
 pub(crate) fn alternatives(model: &Model, left: &[f64]) -> Vec<Model> {
     let mut least: Vec<(f64, f64)> = Vec::new();
     for (reach, step) in [NEAR, FAR] {

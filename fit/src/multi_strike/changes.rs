@@ -44,8 +44,8 @@ pub(crate) fn changes(samples: &[f64], poles: &[Pole], rate_hz: f64, variance: f
         right.norm_squared()
     };
     let count = hops.len().saturating_sub(2 * HOPS);
-    // Moment within a window of a hop at which a change explains most, from two windows before it to
-    // two behind.
+    // Moment within a window of a hop at which a change explains most, from two windows before it
+    // to two behind.
     let placed = |middle: usize| {
         let (start, end) = (middle.saturating_sub(2 * HOPS), (middle + 2 * HOPS).min(hops.len()));
         let split = |at: &usize| {

@@ -53,7 +53,8 @@ pub struct StrikeEstimate {
     pub peak_force: f64,
     /// Standard deviation of the peak; 0 for the strongest strike.
     pub peak_force_sd: f64,
-    /// Power that the model leaves of the strike and of 30 ms behind it, in dB over the median of all strikes.
+    /// Power that the model leaves of the strike and of 30 ms behind it, in dB over the median of
+    /// all strikes.
     ///
     /// A strike that stands out by 9 dB or more is not explained: it is clipped, or something else
     /// sounds.
@@ -77,7 +78,7 @@ pub struct Estimate {
     pub acceleration_sd: f64,
     /// Rms of what the model leaves of the recording, in dB of full scale.
     pub left_dbfs: f64,
-    /// What the model leaves of the recording.
+    /// Samples that the model leaves of the recording.
     #[serde(skip)]
     pub residual: Vec<f64>,
 }

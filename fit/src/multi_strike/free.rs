@@ -75,7 +75,8 @@ fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f
     chosen
 }
 
-/// Modes that ring between strikes, searched for from known ones on; `None` if there is no time between any.
+/// Modes that ring between strikes, searched for from known ones on; `None` if there is no time
+/// between any.
 pub(crate) fn free_modes(
     samples: &[f64],
     onsets: &[usize],

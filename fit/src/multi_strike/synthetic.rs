@@ -72,9 +72,10 @@ const RANGE_DB: f64 = 30.0;
 /// Many strikes at one place of an object: the set *plain*.
 ///
 /// The object has 12 to 21 modes from 180 Hz to 7 kHz, 1.5 % apart or more, with T60 = clip(1.2
-/// (f/500)^-0.6 e^{N(0, 0.3)}, 0.06, 3) s and levels over 24 dB. Peaks of the force are uniform over 30 dB,
-/// contact times `τ1 m^(-1/6)` with 5 % of scatter and τ1 from 0.4 to 0.9 ms. Gaps are 0.1 s plus
-/// an exponential. White noise has `noise_dbfs` dBFS rms; the samples are rounded to 24 bits.
+/// (f/500)^-0.6 e^{N(0, 0.3)}, 0.06, 3) s and levels over 24 dB. Peaks of the force are uniform
+/// over 30 dB, contact times `τ1 m^(-1/6)` with 5 % of scatter and τ1 from 0.4 to 0.9 ms. Gaps are
+/// 0.1 s plus an exponential. White noise has `noise_dbfs` dBFS rms; the samples are rounded to 24
+/// bits.
 pub fn plain(seed: u64, seconds: f64, count: usize, noise_dbfs: f64) -> StruckOften {
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5712_1CE5);
     let modes = modes(&mut random);

@@ -19,8 +19,8 @@ const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = MIN_CONTACT_TIME_S..=MAX_
 /// Parses CSV bytes into events for a kit at a sample rate.
 ///
 /// An empty `position` means 0, an empty `striker` the pad's first one, and an empty `action` a
-/// strike. `velocity` may be empty for a choke or a release. A strike with `peak_force` (newtons) or
-/// `contact_time_s` has them instead of what its striker's law makes of the velocity; all such
+/// strike. `velocity` may be empty for a choke or a release. A strike with `peak_force` (newtons)
+/// or `contact_time_s` has them instead of what its striker's law makes of the velocity; all such
 /// strikes are on one pad, at position 0. Lines that begin with `#` are comments.
 ///
 /// # Errors
