@@ -6,8 +6,10 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::contact::strength;
 use super::equations::residual;
 use super::model::Model;
+use crate::modes::add_ringing;
 
 type C64 = Complex<f64>;
 
@@ -77,7 +79,7 @@ pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Mod
     (least, shifted(model, best))
 }
 
-/// Models with all contacts at other times that leave little too, the least first.
+/// Models with all contacts at other times that leave at most twice as much, the least first.
 ///
 /// Contacts later by a small D leave `D F(t) Σ Re g + D²/2 F(t) Σ Re(s g) + ..`, which vanishes at
 /// a second D near the first. A descent ends at either.
@@ -94,7 +96,7 @@ pub(crate) fn alternatives(model: &Model, left: &[f64]) -> Vec<Model> {
         let base = attacks.misfit(0.0);
         let is_least = |three: &&[(f64, f64)]| three[1].0 < three[0].0 && three[1].0 <= three[2].0;
         let minima = misfits.windows(3).filter(is_least).map(|three| (three[1].0 - base, three[1].1));
-        least.extend(minima.filter(|(_, shift)| shift.abs() > step));
+        least.extend(minima.filter(|(excess, shift)| shift.abs() > step && *excess < base));
     }
     least.sort_by(|a, b| a.0.total_cmp(&b.0));
     least.into_iter().take(MOST_ALTERNATIVES).map(|(_, shift)| shifted(model, shift)).collect()
@@ -125,8 +127,14 @@ fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64,
     for mode in 0..model.poles.len() {
         let exponent = model.exponent(mode);
         let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
-        for (n, x) in (from..).zip(samples.iter_mut()) {
+        let inside = contact.first_sample().max(from as f64) as usize;
+        let free = contact.end_sample().max(from as f64) as usize;
+        let (first, last) = ((inside - from).min(samples.len()), (free - from).min(samples.len()));
+        for (n, x) in (inside..).zip(&mut samples[first..last]) {
             *x += (gain * contact.response(exponent, n as f64).value).re;
         }
+        // Behind the contact the mode rings freely.
+        let start = strength(exponent, contact.time).value * (exponent * (free as f64 - contact.middle)).exp();
+        add_ringing(model.poles[mode], gain * start, &mut samples[last..]);
     }
 }

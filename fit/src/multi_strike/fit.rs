@@ -20,6 +20,8 @@ const ORDER: usize = 12;
 const ALIGNED: usize = 14;
 /// Number of aligned models from which the descent begins.
 const DESCENDED: usize = 3;
+/// Ratio to the noise between strikes of what a model leaves from which no other start is tried.
+const EXPLAINED: f64 = 1.1;
 /// Maximum number of rounds of modes and strikes in turn.
 const ROUNDS: usize = 4;
 /// Time in seconds by which no strike moves in a round that ends them.
@@ -81,11 +83,18 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
         starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
     let white = Whitening::none();
-    let coarse = aligned
-        .into_iter()
-        .take(DESCENDED)
-        .map(|(_, start)| descend(Fitted::new(start, samples, &white), samples, &white, Ending::COARSE));
-    let best = coarse.min_by(|a, b| a.energy.total_cmp(&b.energy)).ok_or(StrikesError::TooFew { found: 0 })?;
+    let mut best: Option<Fitted> = None;
+    for (_, start) in aligned.into_iter().take(DESCENDED) {
+        let done = descend(Fitted::new(start, samples, &white), samples, &white, Ending::COARSE);
+        let is_good = done.noise_rms().powi(2) < EXPLAINED * free.variance;
+        if best.as_ref().is_none_or(|best| done.energy < best.energy) {
+            best = Some(done);
+        }
+        if is_good {
+            break;
+        }
+    }
+    let best = best.ok_or(StrikesError::TooFew { found: 0 })?;
     let (mut fitted, mut whitening) = (at_best_time(best, samples, &white), white);
     let mut stalled = 0;
     for _ in 0..COMPLETIONS {

@@ -19,7 +19,7 @@ use crate::modes::{NoiseFloor, Pole, Settings};
 type C64 = Complex<f64>;
 
 /// Maximum number of stretches that are searched, those behind the strongest strikes.
-const MOST_STRETCHES: usize = 40;
+const MOST_STRETCHES: usize = 24;
 /// Maximum length of a stretch in seconds.
 const LONGEST_S: f64 = 1.5;
 /// Samples behind a contact that are left out.
