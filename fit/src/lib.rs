@@ -9,6 +9,7 @@ pub mod dynamic_filter;
 pub mod hearing;
 pub mod material;
 pub mod modes;
+pub mod multi_strike;
 pub mod recording;
 pub mod render;
 pub mod residual;

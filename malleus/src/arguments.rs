@@ -54,7 +54,7 @@ pub(crate) struct PlayArguments {
     #[arg(long)]
     pub(crate) kit: String,
     /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns
-    /// sample|time_s,pad,velocity[,position,striker,action]
+    /// sample|time_s,pad,velocity[,position,striker,action,peak_force,contact_time_s]
     #[arg(long, value_name = "FILE", required_unless_present = "direct", conflicts_with = "direct")]
     pub(crate) strikes: Option<PathBuf>,
     /// Force that drives a pad sample by sample: a WAV file whose full scale is the reference force
@@ -140,6 +140,11 @@ pub(crate) struct FitArguments {
     /// Write the instrument's sound of the loudest strike, aligned to the recording
     #[arg(long, value_name = "OUT.wav")]
     pub(crate) render: Option<PathBuf>,
+    /// Fit all strikes of the recording together, and write them as events that replay it on the
+    /// table, with force and contact time of each (docs/multi-strike.md). Without this option
+    /// recordings of six strikes and more are fitted so
+    #[arg(long, value_name = "OUT.csv", conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render", "report"])]
+    pub(crate) events: Option<PathBuf>,
     /// Write a self-contained page of sound, pictures and figures for each recording into this
     /// folder, and an index of all pages in it
     #[arg(long, value_name = "DIR")]

@@ -7,6 +7,7 @@
 //! group.
 
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::basis::{Basis, Stretch};
 use super::pole::Pole;
@@ -225,7 +226,7 @@ impl Ending {
 pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Option<Model> {
     let sample_count: usize = groups.iter().map(Group::sample_count).sum();
     let solve_all =
-        |poles: &[Pole]| groups.iter().map(|group| solve(group, poles, ending.ridge)).collect::<Option<Vec<_>>>();
+        |poles: &[Pole]| groups.par_iter().map(|group| solve(group, poles, ending.ridge)).collect::<Option<Vec<_>>>();
     let energy_of = |solved: &[Solved]| solved.iter().map(|solved| solved.residual_energy).sum::<f64>();
     let mut poles = poles.to_vec();
     let mut solved = solve_all(&poles)?;

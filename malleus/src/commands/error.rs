@@ -80,6 +80,8 @@ pub(crate) enum CommandError {
     OneTable { output: PathBuf, inputs: usize },
     #[error("--render takes one recording at a time, not {inputs}; fit them one by one")]
     OneRendering { inputs: usize },
+    #[error("--events writes the strikes of one recording, and {inputs} are given: fit that one alone")]
+    OneEvents { inputs: usize },
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]

@@ -15,7 +15,8 @@ use super::error::CommandError;
 use super::fit_filter::{self, FilterReport};
 use super::fit_job::{Job, with_file};
 use super::fit_names as names;
-use super::output::{print, print_json, progress};
+use super::fit_strikes::{self, StrikesReport};
+use super::output::{print, print_json, progress, refuse_input};
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// One input and the outcome of its fit, a row of the report.
@@ -34,6 +35,7 @@ struct Row {
 enum Outcome {
     Fitted { report: Box<Report> },
     Filtered { report: Box<FilterReport> },
+    Together { report: Box<StrikesReport> },
     Skipped,
     Failed { error: String },
 }
@@ -48,6 +50,12 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     }
     if arguments.render.is_some() && arguments.input.len() > 1 {
         return Err(CommandError::OneRendering { inputs: arguments.input.len() });
+    }
+    if arguments.events.is_some() && arguments.input.len() > 1 {
+        return Err(CommandError::OneEvents { inputs: arguments.input.len() });
+    }
+    if let Some(events) = &arguments.events {
+        refuse_input(events, arguments.input.iter().map(PathBuf::as_path))?;
     }
     if !one_file {
         make_folder(&arguments.output)?;
@@ -102,9 +110,15 @@ fn make_folder(path: &Path) -> Result<(), CommandError> {
 }
 
 fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
-    let wanted = [Some(job.table.as_path()), arguments.render.as_deref(), job.page.as_deref()];
+    let wanted =
+        [Some(job.table.as_path()), arguments.render.as_deref(), arguments.events.as_deref(), job.page.as_deref()];
     if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
         return Outcome::Skipped;
+    }
+    match fit_strikes::fit_and_write(arguments, job) {
+        Ok(Some(report)) => return Outcome::Together { report: Box::new(report) },
+        Ok(None) => {}
+        Err(error) => return Outcome::Failed { error },
     }
     let outcome = match arguments.dynamic_filter {
         None => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
@@ -134,7 +148,7 @@ fn failures(rows: &[Row]) -> Vec<(String, String)> {
         Outcome::Failed { error } => {
             Some((row.input.file_name().unwrap_or_default().to_string_lossy().into_owned(), error.clone()))
         }
-        Outcome::Fitted { .. } | Outcome::Filtered { .. } | Outcome::Skipped => None,
+        Outcome::Fitted { .. } | Outcome::Filtered { .. } | Outcome::Together { .. } | Outcome::Skipped => None,
     };
     rows.iter().filter_map(failure).collect()
 }
@@ -196,6 +210,7 @@ fn as_text(rows: &[Row]) -> String {
                 100.0 * report.median_error,
                 report.seconds
             ),
+            Outcome::Together { report } => fit_strikes::row(&name, report),
             Outcome::Skipped => format!("{name:32} is done already ({})\n", row.table.display()),
             Outcome::Failed { .. } => format!("{name:32} failed\n"),
         };

@@ -8,6 +8,7 @@ pub(crate) mod fit;
 mod fit_filter;
 mod fit_job;
 mod fit_names;
+mod fit_strikes;
 pub(crate) mod kit;
 mod kit_check;
 mod kit_new;

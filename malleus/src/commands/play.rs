@@ -10,7 +10,7 @@ use dsp_core::table::Kit;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::Level;
-use malleus::render::{Performance, board, instrument, reference};
+use malleus::render::{Performance, board, instrument, own_force, reference};
 use malleus::{events, wave};
 use serde::Serialize;
 use virtual_board::Board;
@@ -176,7 +176,8 @@ fn read_performance(
     for remark in &list.remarks {
         eprintln!("malleus: {}: {remark}", path.display());
     }
-    Ok((rate, Performance::new(list.events, None, kit, rate, arguments.tail)))
+    let direct = own_force::direct(&list.strikes, kit, rate);
+    Ok((rate, Performance::new(list.events, direct, kit, rate, arguments.tail)))
 }
 
 /// Refuses to write sound or log over the kit, the events or the force that are played.

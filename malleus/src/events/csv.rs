@@ -1,19 +1,27 @@
-//! Events as CSV: `sample|time_s,pad,velocity[,position,striker,action]`.
+//! Events as CSV: `sample|time_s,pad,velocity[,position,striker,action,peak_force,contact_time_s]`.
 
 use dsp_core::SampleRate;
+use dsp_core::contact::law::{MAX_CONTACT_TIME_S, MIN_CONTACT_TIME_S};
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::table::{Kit, Pad};
 
 use super::error::EventsFault;
-use super::list::{EventList, time_from_seconds};
+use super::list::{EventList, OwnForce, time_from_seconds};
 
-const COLUMNS: [&str; 7] = ["sample", "time_s", "pad", "velocity", "position", "striker", "action"];
+const COLUMNS: [&str; 9] =
+    ["sample", "time_s", "pad", "velocity", "position", "striker", "action", "peak_force", "contact_time_s"];
+
+/// Largest peak force in newtons.
+const MOST_FORCE: f64 = 1e6;
+/// Shortest and longest contact time in seconds.
+const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = MIN_CONTACT_TIME_S..=MAX_CONTACT_TIME_S;
 
 /// Parses CSV bytes into events for a kit at a sample rate.
 ///
 /// An empty `position` means 0, an empty `striker` the pad's first one, and an empty `action` a
-/// strike. `velocity` may be empty for a choke or a release. Lines that begin with `#` are
-/// comments.
+/// strike. `velocity` may be empty for a choke or a release. A strike with `peak_force` (newtons)
+/// or `contact_time_s` has them instead of what its striker's law makes of the velocity; all such
+/// strikes are on one pad, at position 0. Lines that begin with `#` are comments.
 ///
 /// # Errors
 /// [`EventsFault`] for bytes that are not text in UTF-8, and for the first wrong field, with its
@@ -22,15 +30,22 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
     check_text(bytes)?;
     let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let columns = Columns::find(reader.headers().map_err(|error| of_reader(&error))?)?;
-    let mut list = EventList::default();
+    let (mut list, mut last) = (EventList::default(), None);
     for record in reader.records() {
         let record = record.map_err(|error| of_reader(&error))?;
         let row = Row { line: record.position().map_or(0, ::csv::Position::line), record: &record, columns: &columns };
         let event = row.event(kit, rate)?;
-        if list.events.last().is_some_and(|last: &Event| last.time > event.time) {
+        if last.is_some_and(|last| last > event.time) {
             return Err(EventsFault::OutOfOrder { line: row.line });
         }
-        list.events.push(event);
+        last = Some(event.time);
+        match row.own_force(event)? {
+            Some(strike) if list.strikes.first().is_some_and(|first: &OwnForce| first.pad != strike.pad) => {
+                return Err(row.fault("pad", "all strikes with a force of their own must be on one pad".to_owned()));
+            }
+            Some(strike) => list.strikes.push(strike),
+            None => list.events.push(event),
+        }
     }
     Ok(list)
 }
@@ -162,6 +177,34 @@ impl Row<'_> {
         };
         let position = if self.field("position").is_empty() { 0.0 } else { self.unit("position")? };
         Ok(Event { time, pad: index, velocity, position, striker: self.striker(kit, pad)?, action })
+    }
+
+    /// The strike with a force of its own; `None` for an event without one.
+    fn own_force(&self, event: Event) -> Result<Option<OwnForce>, EventsFault> {
+        let peak_force = self.number("peak_force", f64::MIN_POSITIVE..=MOST_FORCE)?;
+        let contact_time_s = self.number("contact_time_s", CONTACT_TIMES_S)?;
+        let Some(column) = peak_force.map(|_| "peak_force").or(contact_time_s.map(|_| "contact_time_s")) else {
+            return Ok(None);
+        };
+        if event.action != Action::Strike {
+            return Err(self.fault(column, "only a strike has a force of its own".to_owned()));
+        }
+        if event.position != 0.0 {
+            return Err(self.fault("position", "must be 0 for a strike with a force of its own".to_owned()));
+        }
+        let Event { time, pad, velocity, striker, .. } = event;
+        Ok(Some(OwnForce { time, pad, striker, velocity, peak_force, contact_time_s }))
+    }
+
+    /// A number of a column that may be empty.
+    fn number(&self, column: &'static str, range: std::ops::RangeInclusive<f64>) -> Result<Option<f64>, EventsFault> {
+        let text = self.field(column);
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        let allowed = || format!("must be above 0, from {:e} to {:e}", range.start(), range.end());
+        number.map(Some).ok_or_else(|| self.fault(column, allowed()))
     }
 
     fn time(&self, rate: SampleRate) -> Result<Time, EventsFault> {

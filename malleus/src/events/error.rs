@@ -40,7 +40,7 @@ pub enum EventsFault {
     },
     /// The header lacks a column, repeats one, or has an unknown one.
     #[error(
-        "line 1: {0}; the header is `sample,pad,velocity` or `time_s,pad,velocity`, then any of `position`, `striker`, `action`"
+        "line 1: {0}; the header is `sample,pad,velocity` or `time_s,pad,velocity`, then any of `position`, `striker`, `action`, `peak_force`, `contact_time_s`"
     )]
     Header(String),
     /// A field holds a value that is not allowed there.

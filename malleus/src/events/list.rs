@@ -8,8 +8,29 @@ use dsp_core::event::{Event, Time};
 pub struct EventList {
     /// Events in order of time.
     pub events: Vec<Event>,
+    /// Strikes with a force of their own, in order of time.
+    ///
+    /// All are on one pad, at position 0.
+    pub strikes: Vec<OwnForce>,
     /// Remarks for the user, such as MIDI notes that no pad plays.
     pub remarks: Vec<String>,
+}
+
+/// Strike whose peak force, contact time or both do not follow from its striker's law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnForce {
+    /// Time at which the contact begins.
+    pub time: Time,
+    /// Number of the pad, counted from 0.
+    pub pad: u8,
+    /// Number of the pad's striker, counted from 0; it makes the pulse's shape.
+    pub striker: u8,
+    /// Velocity, 0 to 1, for what the law still decides.
+    pub velocity: f32,
+    /// Peak force in newtons; `None` for that of the law.
+    pub peak_force: Option<f64>,
+    /// Contact time in seconds; `None` for that of the law.
+    pub contact_time_s: Option<f64>,
 }
 
 /// Converts a time in seconds to whole frames and a fraction of a frame.

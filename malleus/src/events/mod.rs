@@ -16,7 +16,7 @@ use dsp_core::SampleRate;
 use dsp_core::table::Kit;
 
 pub use error::{EventsError, EventsFault};
-pub use list::{EventList, time_from_seconds};
+pub use list::{EventList, OwnForce, time_from_seconds};
 
 /// Reads a file of events for a kit.
 ///

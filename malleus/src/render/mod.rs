@@ -5,6 +5,7 @@ pub mod force;
 pub mod headroom;
 pub mod instrument;
 pub mod level;
+pub mod own_force;
 pub mod reference;
 
 mod performance;

@@ -4,6 +4,7 @@
 mod budget;
 mod folder;
 mod levels;
+mod own_force;
 mod refusals;
 mod strikes_on_boards;
 

@@ -1,0 +1,194 @@
+//! Measures the joint fit on synthetic recordings of many strikes, beside the Cramer-Rao bounds.
+//!
+//! `cargo bench -p fit --bench strikes` prints medians over six seeds of two sets;
+//! `-- SEEDS FIRST` chooses the number of seeds and the first one.
+
+use std::time::Instant;
+
+use fit::modes::Settings;
+use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, in_room, plain};
+use fit::multi_strike::{Estimate, ModeEstimate, StrikeEstimate, cramer_rao, estimate};
+use fit::score::quantile;
+
+/// Largest distance in seconds of a found strike from the true one.
+const NEAR_S: f64 = 0.01;
+/// Largest distance in cents of a found mode from the true one.
+const NEAR_CENTS: f64 = 12.0;
+/// Bound of T60 in percent up to which a mode is heard.
+const HEARD_PERCENT: f64 = 5.0;
+
+/// Errors of a number over seeds, with the bounds and the stated deviations.
+#[derive(Default)]
+struct Errors {
+    errors: Vec<f64>,
+    bounds: Vec<f64>,
+    within: usize,
+}
+
+impl Errors {
+    fn add(&mut self, error: f64, bound: f64, stated: f64) {
+        self.errors.push(error.abs());
+        self.bounds.push(bound);
+        self.within += usize::from(error.abs() <= stated);
+    }
+
+    fn print(&self, what: &str) {
+        println!(
+            "{what:28} median {:9.4}, 90 % below {:9.4}; bound {:9.4}; {:3.0} % within one stated deviation",
+            quantile(&self.errors, 0.5),
+            quantile(&self.errors, 0.9),
+            quantile(&self.bounds, 0.5),
+            100.0 * self.within as f64 / self.errors.len().max(1) as f64
+        );
+    }
+}
+
+#[derive(Default)]
+struct Tally {
+    found: usize,
+    strikes: usize,
+    spurious: usize,
+    heard: usize,
+    heard_found: usize,
+    modes: usize,
+    reported: usize,
+    cents: Errors,
+    t60_percent: Errors,
+    middle_us: Errors,
+    contact_percent: Errors,
+    peak_db: Errors,
+    left_db: Vec<f64>,
+    seconds: Vec<f64>,
+}
+
+impl Tally {
+    fn add(&mut self, sound: &StruckOften, fit: &Estimate, bounds: &Estimate, seconds: f64) {
+        self.seconds.push(seconds);
+        self.left_db.push(fit.left_dbfs - 20.0 * sound.noise_rms.log10());
+        self.modes += sound.modes.len();
+        self.reported += fit.modes.len();
+        for (truth, bound) in sound.modes.iter().zip(&bounds.modes) {
+            let cents = |mode: &ModeEstimate| 1200.0 * (mode.frequency_hz / truth.frequency_hz).log2();
+            let nearest = fit.modes.iter().min_by(|a, b| cents(a).abs().total_cmp(&cents(b).abs()));
+            let is_heard = 100.0 * bound.decay_per_s_sd / bound.decay_per_s < HEARD_PERCENT;
+            self.heard += usize::from(is_heard);
+            if let Some(mode) = nearest.filter(|mode| is_heard && cents(mode).abs() < NEAR_CENTS) {
+                self.heard_found += 1;
+                self.add_mode(truth, mode, bound);
+            }
+        }
+        self.strikes += sound.strikes.len();
+        let mut taken = vec![false; fit.strikes.len()];
+        // Only ratios of peaks are told: the median ratio is the unit.
+        let mut pairs = Vec::new();
+        for (truth, bound) in sound.strikes.iter().zip(&bounds.strikes) {
+            let apart = |strike: &StrikeEstimate| (strike.middle_s - truth.middle_s()).abs();
+            let free = fit.strikes.iter().enumerate().filter(|(index, _)| !taken[*index]);
+            let nearest = free.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
+            if let Some((index, strike)) = nearest.filter(|(_, strike)| apart(strike) < NEAR_S) {
+                taken[index] = true;
+                pairs.push((truth, strike, bound));
+            }
+        }
+        self.found += pairs.len();
+        self.spurious += fit.strikes.len() - pairs.len();
+        let ratio = |truth: &TrueStrike, strike: &StrikeEstimate| 20.0 * (strike.peak_force / truth.peak_force).log10();
+        let ratios: Vec<f64> = pairs.iter().map(|(truth, strike, _)| ratio(truth, strike)).collect();
+        let unit_db = quantile(&ratios, 0.5);
+        for (truth, strike, bound) in pairs {
+            self.middle_us.add(
+                1e6 * (strike.middle_s - truth.middle_s()),
+                1e6 * bound.middle_s_sd,
+                1e6 * strike.middle_s_sd,
+            );
+            let percent = 100.0 / truth.contact_time_s;
+            self.contact_percent.add(
+                percent * (strike.contact_time_s - truth.contact_time_s),
+                percent * bound.contact_time_s_sd,
+                percent * strike.contact_time_s_sd,
+            );
+            let decibels = 20.0 / 10f64.ln();
+            self.peak_db.add(
+                ratio(truth, strike) - unit_db,
+                decibels * bound.peak_force_sd / bound.peak_force,
+                decibels * strike.peak_force_sd / strike.peak_force,
+            );
+        }
+    }
+
+    fn add_mode(&mut self, truth: &TrueMode, mode: &ModeEstimate, bound: &ModeEstimate) {
+        let cents = |hz: f64| 1200.0 / 2f64.ln() * hz / truth.frequency_hz;
+        self.cents.add(
+            cents(mode.frequency_hz - truth.frequency_hz),
+            cents(bound.frequency_hz_sd),
+            cents(mode.frequency_hz_sd),
+        );
+        self.t60_percent.add(
+            100.0 * (mode.t60_s() / truth.t60_s() - 1.0),
+            100.0 * bound.decay_per_s_sd / bound.decay_per_s,
+            100.0 * mode.decay_per_s_sd / mode.decay_per_s,
+        );
+    }
+
+    fn print(&self, name: &str) {
+        let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+        println!("{name}");
+        println!(
+            "strikes found {:.1} %, false {:.1} %; heard modes found {:.1} % of {}, {:.2} reported for each true one",
+            percent(self.found, self.strikes),
+            percent(self.spurious, self.strikes),
+            percent(self.heard_found, self.heard),
+            self.heard,
+            self.reported as f64 / self.modes.max(1) as f64
+        );
+        self.cents.print("frequency, cents");
+        self.t60_percent.print("T60, %");
+        self.middle_us.print("middle of contact, µs");
+        self.contact_percent.print("contact time, %");
+        self.peak_db.print("peak, dB");
+        println!(
+            "left over the noise {:.3} dB, at most {:.3}; {:.1} s a fit, at most {:.1}",
+            quantile(&self.left_db, 0.5),
+            quantile(&self.left_db, 1.0),
+            quantile(&self.seconds, 0.5),
+            quantile(&self.seconds, 1.0)
+        );
+    }
+}
+
+fn main() {
+    let numbers: Vec<u64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let seeds = numbers.first().copied().unwrap_or(6);
+    let first = numbers.get(1).copied().unwrap_or(101);
+    let seeds = first..first + seeds;
+    let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
+    measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), of_plain);
+    let of_room = |seed: u64| in_room(seed, 30.0, 50);
+    measure("room: plain in a room, pink noise -56 dBFS; bounds without the room", seeds, of_room);
+}
+
+/// Fits a set of sounds, and prints the errors.
+fn measure(name: &str, seeds: std::ops::Range<u64>, sound: impl Fn(u64) -> StruckOften) {
+    let mut tally = Tally::default();
+    for seed in seeds {
+        let sound = sound(seed);
+        let start = Instant::now();
+        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default());
+        let seconds = start.elapsed().as_secs_f64();
+        match (fitted, cramer_rao(&sound)) {
+            (Ok(fitted), Some(bounds)) => {
+                eprintln!(
+                    "seed {seed}: {} strikes, {} modes of {}, {:+.3} dB over the noise, {seconds:.1} s",
+                    fitted.strikes.len(),
+                    fitted.modes.len(),
+                    sound.modes.len(),
+                    fitted.left_dbfs - 20.0 * sound.noise_rms.log10()
+                );
+                tally.add(&sound, &fitted, &bounds, seconds);
+            }
+            (Err(error), _) => println!("seed {seed}: {error}"),
+            (_, None) => println!("seed {seed}: two modes cannot be told apart"),
+        }
+    }
+    tally.print(name);
+}

@@ -1,0 +1,140 @@
+//! The one time by which all contacts of a starting model are early or late.
+//!
+//! The ringing behind the strikes says nothing about it: contacts that come later by D, with gains
+//! turned by `e^{sD}`, ring alike. Only the samples within the contacts tell.
+
+use nalgebra::Complex;
+use rayon::prelude::*;
+
+use super::contact::strength;
+use super::equations::residual;
+use super::model::Model;
+use crate::modes::add_ringing;
+
+type C64 = Complex<f64>;
+
+/// Reach of the search in seconds.
+const REACH_S: f64 = 4e-3;
+/// First step of the search in samples; it is halved down to the last.
+const STEPS: [f64; 2] = [2.5, 0.04];
+/// Number of strikes whose contacts are looked at, the strongest.
+const MOST_STRIKES: usize = 3;
+/// Margin of the samples about a contact, in samples.
+const MARGIN: f64 = 8.0;
+
+/// The strongest attacks of a recording, to try common times with.
+struct Attacks<'a> {
+    model: &'a Model,
+    /// Strike, first sample, and sound without the strike, of each attack.
+    windows: Vec<(usize, usize, Vec<f64>)>,
+}
+
+impl<'a> Attacks<'a> {
+    fn new(model: &'a Model, left: &[f64], reach: f64, most: usize) -> Self {
+        let mut order: Vec<usize> = (0..model.strikes.len()).collect();
+        order.sort_by(|a, b| model.strikes[*b].contact.peak.total_cmp(&model.strikes[*a].contact.peak));
+        order.truncate(most);
+        let window = |index: usize| {
+            let contact = model.strikes[index].contact;
+            let from = (contact.first_sample() - reach - MARGIN).max(0.0) as usize;
+            let to = ((contact.end_sample() + reach + MARGIN).max(0.0) as usize).min(left.len());
+            let mut heard = left.get(from..to).unwrap_or(&[]).to_vec();
+            add_strike(model, index, 0.0, from, 1.0, &mut heard);
+            (index, from, heard)
+        };
+        Self { model, windows: order.into_iter().map(window).collect() }
+    }
+
+    /// Energy that is left if all contacts come later by `shift` samples.
+    fn misfit(&self, shift: f64) -> f64 {
+        let of_window = |(index, from, heard): &(usize, usize, Vec<f64>)| {
+            let mut left = heard.clone();
+            add_strike(self.model, *index, shift, *from, -1.0, &mut left);
+            left.iter().map(|x| x * x).sum::<f64>()
+        };
+        self.windows.iter().map(of_window).sum()
+    }
+}
+
+/// The model with all contacts at the time that leaves least in the strongest attacks, and what it
+/// leaves there.
+pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Model) {
+    let reach = REACH_S * rate_hz;
+    let attacks = Attacks::new(model, &residual(model, samples), reach, MOST_STRIKES);
+    let steps = (reach / STEPS[0]) as i32;
+    let (mut best, mut least) = (0.0, f64::INFINITY);
+    let mut consider = |shift: f64, best: &mut f64| {
+        let here = attacks.misfit(shift);
+        if here < least {
+            (*best, least) = (shift, here);
+        }
+    };
+    (-steps..=steps).for_each(|step| consider(f64::from(step) * STEPS[0], &mut best));
+    let mut step = 0.5 * STEPS[0];
+    while step > STEPS[1] {
+        let middle = best;
+        [middle - step, middle + step].into_iter().for_each(|shift| consider(shift, &mut best));
+        step *= 0.5;
+    }
+    (least, shifted(model, best))
+}
+
+/// Models with all contacts at other times that leave at most twice as much, the least first.
+///
+/// Contacts later by a small D leave `D F(t) Σ Re g + D²/2 F(t) Σ Re(s g) + ..`, which vanishes at
+/// a second D near the first. A descent ends at either.
+pub(crate) fn alternatives(model: &Model, left: &[f64]) -> Vec<Model> {
+    let mut least: Vec<(f64, f64)> = Vec::new();
+    for (reach, step) in [NEAR, FAR] {
+        let attacks = Attacks::new(model, left, reach, MOST_STRIKES);
+        let count = (reach / step) as i32;
+        let misfits: Vec<(f64, f64)> = (-count..=count)
+            .into_par_iter()
+            .map(|index| (attacks.misfit(f64::from(index) * step), f64::from(index) * step))
+            .collect();
+        // A window as long as the far search has more of the noise in it.
+        let base = attacks.misfit(0.0);
+        let is_least = |three: &&[(f64, f64)]| three[1].0 < three[0].0 && three[1].0 <= three[2].0;
+        let minima = misfits.windows(3).filter(is_least).map(|three| (three[1].0 - base, three[1].1));
+        least.extend(minima.filter(|(excess, shift)| shift.abs() > step && *excess < base));
+    }
+    least.sort_by(|a, b| a.0.total_cmp(&b.0));
+    least.into_iter().take(MOST_ALTERNATIVES).map(|(_, shift)| shifted(model, shift)).collect()
+}
+
+/// Reach and step in samples of the search for other times near a fitted one.
+const NEAR: (f64, f64) = (4.0, 0.1);
+/// Reach and step in samples of the search far from a fitted one.
+const FAR: (f64, f64) = (60.0, 0.7);
+/// Maximum number of other times.
+const MOST_ALTERNATIVES: usize = 3;
+
+fn shifted(model: &Model, shift: f64) -> Model {
+    let mut shifted = model.clone();
+    shifted.strikes.iter_mut().for_each(|strike| strike.contact.middle += shift);
+    for (mode, gains) in shifted.gains.iter_mut().enumerate() {
+        let turn = (model.exponent(mode) * shift).exp();
+        gains.iter_mut().for_each(|gain| *gain *= turn);
+    }
+    shifted
+}
+
+/// Adds a strike that is late by `shift`, with the ringing that it has without it.
+fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64, samples: &mut [f64]) {
+    let strike = model.strikes[index];
+    let mut contact = strike.contact;
+    contact.middle += shift;
+    for mode in 0..model.poles.len() {
+        let exponent = model.exponent(mode);
+        let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
+        let inside = contact.first_sample().max(from as f64) as usize;
+        let free = contact.end_sample().max(from as f64) as usize;
+        let (first, last) = ((inside - from).min(samples.len()), (free - from).min(samples.len()));
+        for (n, x) in (inside..).zip(&mut samples[first..last]) {
+            *x += (gain * contact.response(exponent, n as f64).value).re;
+        }
+        // Behind the contact the mode rings freely.
+        let start = strength(exponent, contact.time).value * (exponent * (free as f64 - contact.middle)).exp();
+        add_ringing(model.poles[mode], gain * start, &mut samples[last..]);
+    }
+}

@@ -1,0 +1,128 @@
+//! What a fitted model lacks, and what of it explains too little.
+
+use nalgebra::Complex;
+
+use super::changes::changes;
+use super::descend::{Fitted, deviations};
+use super::equations::residual;
+use super::model::{Model, Strike, segments};
+use super::start::missing as missing_strike;
+use super::tied::tied_modes;
+use super::whitening::Whitening;
+use crate::modes::Settings;
+
+/// Time in seconds from a known strike within which a change is its own error.
+const KNOWN_S: f64 = 0.008;
+/// Maximum number of modes that are added at a time.
+const MOST_AT_A_TIME: usize = 12;
+/// Ratio to the fastest decay that is searched for from which a mode is an error of a contact.
+const STRAYED: f64 = 1.5;
+/// Distance of two modes in sums of their decays within which only one is dropped at a time.
+const NEIGHBOURS: f64 = 10.0;
+/// Time in seconds behind a contact in which its fit is looked at.
+const LOOKED_AT_S: f64 = 0.03;
+/// Ratio to the median power left behind a strike above which the strike is sought anew.
+const FAR_MORE: f64 = 8.0;
+
+/// The model with the strikes that stand out of what it leaves, or if there are none, the modes.
+///
+/// A missed or misplaced strike rings in many modes, so that modes are looked for last.
+pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings: Settings) -> Model {
+    let mut model = fitted.model.clone();
+    let (misplaced, variance) = misplaced(fitted, rate_hz);
+    let mut places = 0..;
+    model.strikes.retain(|_| !misplaced.contains(&places.next().unwrap_or(0)));
+    let left = if misplaced.is_empty() { fitted.residual.clone() } else { residual(&model, samples) };
+    let is_known = |at: usize| {
+        let apart = |strike: &Strike| (strike.contact.middle - at as f64).abs() / rate_hz;
+        model.strikes.iter().any(|strike| apart(strike) < KNOWN_S)
+    };
+    let found = changes(&left, &model.poles, rate_hz, variance).into_iter().filter(|(at, _)| !is_known(*at));
+    let missing: Vec<Strike> =
+        found.filter_map(|(at, _)| missing_strike(&model, &left, at, rate_hz, variance)).collect();
+    let is_complete = missing.is_empty() && misplaced.is_empty();
+    model.strikes.extend(missing);
+    model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
+    if is_complete {
+        let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
+        let places = model.places();
+        let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
+        for pole in tied_modes(&model, &left, rate_hz, few).into_iter().take(MOST_AT_A_TIME) {
+            model.poles.push(pole);
+            // The first step finds the gain, which is linear.
+            model.gains.push(vec![Complex::new(1e-6 * loudest, 0.0); places]);
+        }
+    }
+    model
+}
+
+/// Strikes behind which far more is left than behind the others, and the noise's variance.
+fn misplaced(fitted: &Fitted, rate_hz: f64) -> (Vec<usize>, f64) {
+    let length = (LOOKED_AT_S * rate_hz) as usize;
+    let powers: Vec<(usize, f64)> = segments(&fitted.model.strikes, fitted.residual.len(), 0)
+        .iter()
+        .flat_map(|segment| {
+            let behind = &fitted.residual[segment.start..segment.end.min(segment.free + length)];
+            let power = behind.iter().map(|x| x * x).sum::<f64>() / behind.len().max(1) as f64;
+            segment.strikes.clone().map(move |strike| (strike, power))
+        })
+        .collect();
+    let mut sorted: Vec<f64> = powers.iter().map(|(_, power)| *power).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let loud: Vec<usize> =
+        powers.iter().filter(|(_, power)| *power > FAR_MORE * median).map(|(strike, _)| *strike).collect();
+    if loud.len() * 4 > powers.len() { (Vec::new(), median) } else { (loud, median) }
+}
+
+/// The model without modes and strikes that explain too little for their numbers.
+///
+/// The Bayesian information criterion asks for ln N times the noise a number. Modes that decay far
+/// faster than `fastest`, in 1/sample, go too.
+pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Option<Model> {
+    let deviations = deviations(fitted, whitening)?;
+    let mut model = fitted.model.clone();
+    let logarithm = (fitted.residual.len() as f64).ln();
+    // The least spread of any place; a mode that strayed is worth nothing.
+    let spreads: Vec<f64> = (deviations.gains.iter().zip(&model.poles))
+        .map(|(places, pole)| {
+            let spread = places.iter().copied().fold(f64::INFINITY, f64::min);
+            if pole.decay < STRAYED * fastest { spread } else { f64::INFINITY }
+        })
+        .collect();
+    let is_near = |a: usize, b: usize| {
+        let (a, b) = (fitted.model.poles[a], fitted.model.poles[b]);
+        (a.angular - b.angular).abs() < NEIGHBOURS * (a.decay + b.decay)
+    };
+    let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
+    let mut modes = 0..;
+    model.poles.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
+    let mut modes = 0..;
+    model.gains.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
+    let spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
+    let strikes = &fitted.model.strikes;
+    let is_near = |a: usize, b: usize| {
+        (strikes[a].contact.middle - strikes[b].contact.middle).abs()
+            < strikes[a].contact.time + strikes[b].contact.time
+    };
+    let dropped = unworthy(&spreads, 3.0 * logarithm, is_near);
+    let mut places = 0..;
+    model.strikes.retain(|_| !dropped.contains(&places.next().unwrap_or(0)));
+    Some(model)
+}
+
+/// Indices whose energy over the noise, `1/spread²`, is below `least`, the worst first.
+///
+/// Two in one place are both worth nothing, so of neighbours only the worse goes at a time.
+fn unworthy(spreads: &[f64], least: f64, is_near: impl Fn(usize, usize) -> bool) -> Vec<usize> {
+    let is_worthy = |index: &usize| least * spreads[*index] * spreads[*index] < 1.0;
+    let mut order: Vec<usize> = (0..spreads.len()).filter(|index| !is_worthy(index)).collect();
+    order.sort_by(|a, b| spreads[*b].total_cmp(&spreads[*a]));
+    let mut dropped: Vec<usize> = Vec::new();
+    for index in order {
+        if !dropped.iter().any(|other| is_near(index, *other)) {
+            dropped.push(index);
+        }
+    }
+    dropped
+}

@@ -1,0 +1,293 @@
+//! Maximum likelihood of all parameters together, by Gauss-Newton steps with Levenberg's damping.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::arrow::Arrow;
+use super::equations::{energy, equations, residual};
+use super::model::Model;
+use super::whitening::Whitening;
+use crate::modes::Pole;
+
+/// Condition under which a descent ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    /// Maximum number of steps tried.
+    pub(crate) steps: usize,
+    /// Least promised gain of a step, as a share of one sample's noise power.
+    pub(crate) gain: f64,
+}
+
+impl Ending {
+    /// Descent good enough to search the residual.
+    pub(crate) const COARSE: Self = Self { steps: 14, gain: 3.0 };
+    /// Descent good enough to see which modes and strikes explain something.
+    pub(crate) const COMPLETION: Self = Self { steps: 14, gain: 0.1 };
+    /// Descent to a tenth of the statistical error of any parameter.
+    pub(crate) const FINE: Self = Self { steps: 30, gain: 1e-2 };
+}
+
+/// A model with what it leaves of the recording.
+#[derive(Clone, Debug)]
+pub(crate) struct Fitted {
+    pub(crate) model: Model,
+    pub(crate) residual: Vec<f64>,
+    /// Energy of the whitened residual.
+    pub(crate) energy: f64,
+}
+
+impl Fitted {
+    /// A model beside a recording.
+    pub(crate) fn new(model: Model, samples: &[f64], whitening: &Whitening) -> Self {
+        let residual = residual(&model, samples);
+        let energy = energy(&residual, whitening);
+        Self { model, residual, energy }
+    }
+
+    /// Rms of the whitened residual.
+    pub(crate) fn noise_rms(&self) -> f64 {
+        (self.energy / self.residual.len().max(1) as f64).sqrt()
+    }
+
+    /// Normal equations at the model, with the unit of force held.
+    pub(crate) fn equations(&self, whitening: &Whitening) -> Arrow {
+        let mut arrow = equations(&self.model, &self.residual, whitening, self.noise_rms());
+        if !self.model.strikes.is_empty() {
+            arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
+        }
+        if self.model.acceleration == 0.0 {
+            arrow.hold_shared(self.model.shared_size() - 1);
+        }
+        arrow
+    }
+}
+
+/// Descends from a model to the nearest maximum of the likelihood.
+pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, ending: Ending) -> Fitted {
+    let mut best = from;
+    let (mut damping, mut tried) = (1e-3, 0);
+    while tried < ending.steps && !best.model.strikes.is_empty() && !best.model.poles.is_empty() {
+        let arrow = best.equations(whitening);
+        // Largest damping at which a step from here was no better.
+        let (mut accepted, mut refused) = (false, 0.0f64);
+        while tried < ending.steps && !accepted {
+            tried += 1;
+            let Some(factor) = arrow.factor(damping) else {
+                damping = (damping * 10.0f64).max(1e-6);
+                if damping > MOST_DAMPING {
+                    return best;
+                }
+                continue;
+            };
+            let step = arrow.solve(&factor);
+            if arrow.promise(&step) < ending.gain * best.energy / samples.len() as f64 {
+                // Damping hides what a direction promises that the sound hardly tells.
+                damping *= 0.01;
+                if damping <= refused.max(LEAST_DAMPING) {
+                    return best;
+                }
+                continue;
+            }
+            let next = Fitted::new(moved(&best.model, &step.0, &step.1), samples, whitening);
+            if next.energy < best.energy {
+                best = next;
+                damping = (damping * 0.1).max(LEAST_DAMPING);
+                accepted = true;
+            } else {
+                refused = refused.max(damping);
+                damping = (damping * 10.0).max(1e-6);
+            }
+            if damping > MOST_DAMPING {
+                return best;
+            }
+        }
+    }
+    best
+}
+
+/// Damping that changes no step, but keeps the equations definite.
+const LEAST_DAMPING: f64 = 1e-12;
+/// Damping at which no step helps any more.
+const MOST_DAMPING: f64 = 1e6;
+/// Largest change of a contact's middle in a step, relative to its contact time.
+const MOST_SHIFT: f64 = 0.3;
+/// Largest change of ln τ and of ln m in a step.
+const MOST_GROWTH: [f64; 2] = [0.4, 0.7];
+/// Largest change of a gain, relative to it, that turns and scales it.
+const MOST_TURN: f64 = 1.5;
+/// Contact times in samples that a step may reach.
+const CONTACT_TIMES: [f64; 2] = [2.0, 2_000.0];
+/// Decays in 1/sample that a step may reach.
+const DECAYS: [f64; 2] = [3e-6, 0.3];
+
+fn moved(model: &Model, along: &DVector<f64>, shared: &DVector<f64>) -> Model {
+    let mut next = model.clone();
+    let size = model.strike_size();
+    for (index, strike) in next.strikes.iter_mut().enumerate() {
+        let step = along.rows(index * size, size);
+        let contact = &mut strike.contact;
+        let reach = MOST_SHIFT * contact.time;
+        contact.middle += step[0].clamp(-reach, reach);
+        let grown = contact.time * step[1].clamp(-MOST_GROWTH[0], MOST_GROWTH[0]).exp();
+        contact.time = grown.clamp(CONTACT_TIMES[0], CONTACT_TIMES[1]);
+        contact.peak *= step[2].clamp(-MOST_GROWTH[1], MOST_GROWTH[1]).exp();
+        if size > 3 {
+            strike.position = (strike.position + step[3].clamp(-0.2, 0.2)).clamp(0.0, 1.0);
+        }
+    }
+    next.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
+    for (mode, pole) in next.poles.iter_mut().enumerate() {
+        let reach = 3.0 * pole.decay + 1e-4;
+        *pole = Pole {
+            decay: (pole.decay + shared[2 * mode])
+                .clamp(pole.decay / 4.0, pole.decay * 4.0)
+                .clamp(DECAYS[0], DECAYS[1]),
+            angular: (pole.angular + shared[2 * mode + 1].clamp(-reach, reach))
+                .clamp(1e-4, std::f64::consts::PI - 1e-4),
+        };
+        let first = model.gain_column(mode);
+        for (place, gain) in next.gains[mode].iter_mut().enumerate() {
+            let step = Complex::new(shared[first + 2 * place], shared[first + 2 * place + 1]);
+            // All contacts may be late by one time; the gains then turn by large angles.
+            *gain = if step.norm() < MOST_TURN * gain.norm() { *gain * (step / *gain).exp() } else { *gain + step };
+        }
+    }
+    next.acceleration += shared[shared.len() - 1];
+    next
+}
+
+/// Damping under which equations are definite in spite of rounding.
+const UNTOLD: f64 = 1e-9;
+
+/// Standard deviations of all parameters in the noise that a model leaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Deviations {
+    /// Standard deviations of decay and angular frequency of each mode, per sample.
+    pub(crate) poles: Vec<[f64; 2]>,
+    /// Standard deviation of ln |g| of each gain, mode by mode and place by place.
+    pub(crate) gains: Vec<Vec<f64>>,
+    /// Standard deviation of the factor from force to acceleration sound.
+    pub(crate) acceleration: f64,
+    /// Covariance of middle, ln τ and ln m (and position) of each strike.
+    pub(crate) strikes: Vec<DMatrix<f64>>,
+}
+
+/// Cramer-Rao bounds of a model in its whitened residual, with that noise's rms.
+///
+/// `None` if two modes or two strikes cannot be told apart.
+pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Deviations> {
+    let arrow = fitted.equations(whitening);
+    // What the sound does not tell gets a large deviation.
+    let factor = arrow.factor(0.0).or_else(|| arrow.factor(UNTOLD))?;
+    let variance = fitted.noise_rms().powi(2);
+    let shared = factor.shared_covariance() * variance;
+    let model = &fitted.model;
+    let mut strikes: Vec<DMatrix<f64>> =
+        factor.covariances(model.strike_size()).into_iter().map(|block| block * variance).collect();
+    // The strongest strike fixes the unit of force.
+    if let Some(held) = strikes.get_mut(model.strongest()) {
+        held.row_mut(2).fill(0.0);
+        held.column_mut(2).fill(0.0);
+    }
+    let modes = 0..model.poles.len();
+    let acceleration =
+        if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
+    let of_gain = |mode: usize, place: usize| {
+        let (gain, first) = (model.gains[mode][place], model.gain_column(mode) + 2 * place);
+        let direction = [gain.re / gain.norm_sqr(), gain.im / gain.norm_sqr()];
+        let along = |a: usize, b: usize| direction[a] * direction[b] * shared[(first + a, first + b)];
+        (along(0, 0) + 2.0 * along(0, 1) + along(1, 1)).sqrt()
+    };
+    Some(Deviations {
+        poles: modes.clone().map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
+        gains: modes.map(|mode| (0..model.places()).map(|place| of_gain(mode, place)).collect()).collect(),
+        acceleration,
+        strikes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::contact::Contact;
+    use crate::multi_strike::model::Strike;
+    use crate::multi_strike::synthetic::plain;
+    use crate::multi_strike::truth::model_of;
+    use crate::random::SplitMix64;
+
+    fn random_model(random: &mut SplitMix64, places: usize) -> Model {
+        let pole = |index: u32| Pole {
+            decay: 2e-3 * (1.0 + f64::from(index)),
+            angular: 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform(),
+        };
+        let poles: Vec<Pole> = (0..3).map(pole).collect();
+        let gains =
+            (0..3).map(|_| (0..places).map(|_| Complex::new(random.normal(), random.normal())).collect()).collect();
+        let strikes = [100.3, 420.7, 450.1, 800.2].map(|middle| Strike {
+            contact: Contact {
+                middle: middle + random.uniform(),
+                time: 20.0 + 15.0 * random.uniform(),
+                peak: 0.2 + random.uniform(),
+            },
+            position: 0.1 + 0.8 * random.uniform(),
+        });
+        Model { poles, gains, acceleration: 0.7, strikes: strikes.to_vec() }
+    }
+
+    #[test]
+    fn gradient_of_the_energy_agrees_with_central_differences() {
+        for (seed, places) in [(1, 1), (2, 1), (3, 3)] {
+            let mut random = SplitMix64(seed);
+            let model = random_model(&mut random, places);
+            let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
+            let whitening = Whitening::of_residual(&samples, 5);
+            let fitted = Fitted::new(model.clone(), &samples, &whitening);
+            let arrow = equations(&model, &fitted.residual, &whitening, 0.0);
+            let (along, shared) = arrow.right_sides();
+            let (count, all) = (along.len(), along.len() + shared.len());
+            for index in 0..all {
+                let size = 1e-6;
+                let at = |size: f64| {
+                    let mut step = DVector::zeros(all);
+                    step[index] = size;
+                    let (along, shared) =
+                        (step.rows(0, count).into_owned(), step.rows(count, all - count).into_owned());
+                    Fitted::new(moved(&model, &along, &shared), &samples, &whitening).energy
+                };
+                let slope = (at(-size) - at(size)) / (4.0 * size);
+                let given = if index < count { along[index] } else { shared[index - count] };
+                assert!((given - slope).abs() < 1e-6 * (given.abs() + 300.0), "{places} {index}: {given} {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn descent_from_nearby_reaches_the_truth_within_its_deviations() {
+        let sound = plain(3, 4.0, 6, -60.0);
+        let rate = sound.rate_hz;
+        let truth = model_of(&sound);
+        let mut start = truth.clone();
+        for (index, strike) in start.strikes.iter_mut().enumerate() {
+            strike.contact.middle += 0.8 - index as f64 * 0.3;
+            strike.contact.time *= 1.05 - 0.02 * index as f64;
+            strike.contact.peak *= 0.95 + 0.02 * index as f64;
+        }
+        start.poles.iter_mut().for_each(|pole| pole.decay *= 1.05);
+        let whitening = Whitening::none();
+        let fitted = descend(Fitted::new(start, &sound.samples, &whitening), &sound.samples, &whitening, Ending::FINE);
+        assert!((fitted.noise_rms() / sound.noise_rms - 1.0).abs() < 0.01, "{}", fitted.noise_rms());
+        let bounds = deviations(&fitted, &whitening).expect("modes and strikes differ");
+        let mut errors = Vec::new();
+        for ((found, truth), deviation) in fitted.model.strikes.iter().zip(&truth.strikes).zip(&bounds.strikes) {
+            errors.push((found.contact.middle - truth.contact.middle) / deviation[(0, 0)].sqrt());
+            errors.push((found.contact.time / truth.contact.time).ln() / deviation[(1, 1)].sqrt());
+        }
+        for ((found, truth), deviation) in fitted.model.poles.iter().zip(&truth.poles).zip(&bounds.poles) {
+            errors.push((found.decay - truth.decay) / deviation[0]);
+            errors.push(
+                (found.frequency_hz(rate) - truth.frequency_hz(rate)) * std::f64::consts::TAU / rate / deviation[1],
+            );
+        }
+        let within = errors.iter().filter(|error| error.abs() < 1.0).count() as f64 / errors.len() as f64;
+        assert!((0.5..0.9).contains(&within), "{within}: {errors:?}");
+    }
+}

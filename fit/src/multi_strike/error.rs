@@ -1,0 +1,36 @@
+//! Reasons for which strikes are not fitted together.
+
+/// Reason for which the strikes of a recording cannot be fitted together.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StrikesError {
+    /// The recording is too short.
+    #[error("the recording lasts {seconds:.3} s: strikes are fitted together in at least 0.2 s; give a longer one")]
+    TooShort {
+        /// Length of the recording in seconds.
+        seconds: f64,
+    },
+    /// There are too few strikes.
+    #[error(
+        "{found} strikes are heard, and at least 2 are fitted together: give a recording with more, or leave out --events"
+    )]
+    TooFew {
+        /// Number of strikes that are heard.
+        found: usize,
+    },
+    /// No mode rings between the strikes.
+    #[error("no mode rings between the strikes: give a recording of a thing that rings, with gaps of at least 40 ms")]
+    NoModes,
+    /// One thing and its strikes explain too little.
+    #[error(
+        "one thing, struck at one place, leaves {left_db:.1} dB of the recording: a strong room, several things or other sounds are in it; give a drier recording of one thing, or leave out --events"
+    )]
+    Unexplained {
+        /// Energy that is left, in dB of that of the recording.
+        left_db: f64,
+    },
+    /// Two modes or strikes cannot be told apart.
+    #[error(
+        "two modes or strikes cannot be told apart: give a recording of one thing, with less noise or longer gaps, or ask for fewer modes (--modes)"
+    )]
+    Untold,
+}

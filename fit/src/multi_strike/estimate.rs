@@ -1,0 +1,170 @@
+//! What a joint fit tells: modes, strikes and their standard deviations.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use super::descend::{Deviations, Fitted};
+use super::error::StrikesError;
+use super::fit::fit;
+use super::model::segments;
+use crate::modes::Settings;
+
+/// A mode with the standard deviations of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModeEstimate {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Standard deviation of the frequency in Hz.
+    pub frequency_hz_sd: f64,
+    /// Decay rate in 1/s.
+    pub decay_per_s: f64,
+    /// Standard deviation of the decay rate in 1/s.
+    pub decay_per_s_sd: f64,
+    /// Gains `[sine, cosine]` in output per unit of force and second, in continuous time.
+    pub gain: [f64; 2],
+    /// Relative standard deviation of the gain's magnitude.
+    pub gain_sd: f64,
+}
+
+impl ModeEstimate {
+    /// T60 in seconds.
+    pub fn t60_s(&self) -> f64 {
+        1000f64.ln() / self.decay_per_s
+    }
+}
+
+/// A strike with the standard deviations of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StrikeEstimate {
+    /// Onset of the force in seconds of the recording.
+    pub at_s: f64,
+    /// Standard deviation of the onset in seconds.
+    pub at_s_sd: f64,
+    /// Middle of the contact in seconds.
+    pub middle_s: f64,
+    /// Standard deviation of the middle in seconds.
+    pub middle_s_sd: f64,
+    /// Contact time in seconds.
+    pub contact_time_s: f64,
+    /// Standard deviation of the contact time in seconds.
+    pub contact_time_s_sd: f64,
+    /// Peak of the force; 1 for the strongest strike, which is the unit of force.
+    pub peak_force: f64,
+    /// Standard deviation of the peak; 0 for the strongest strike.
+    pub peak_force_sd: f64,
+    /// Power that the model leaves of the strike and of 30 ms behind it, in dB over the median of
+    /// all strikes.
+    ///
+    /// A strike that stands out by 9 dB or more is not explained: it is clipped, or something else
+    /// sounds.
+    pub left_db: f64,
+    /// True if the sound stands still at its largest value within 20 ms of the onset.
+    pub is_clipped: bool,
+}
+
+/// A recording of many strikes as its joint fit explains it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Estimate {
+    /// Sample rate in Hz.
+    pub rate_hz: f64,
+    /// Modes in order of frequency.
+    pub modes: Vec<ModeEstimate>,
+    /// Strikes in order of time.
+    pub strikes: Vec<StrikeEstimate>,
+    /// Acceleration sound in output per unit of force; 0 if the sound does not tell one.
+    pub acceleration: f64,
+    /// Standard deviation of the acceleration sound; 0 if there is none.
+    pub acceleration_sd: f64,
+    /// Rms of what the model leaves of the recording, in dB of full scale.
+    pub left_dbfs: f64,
+    /// Samples that the model leaves of the recording.
+    #[serde(skip)]
+    pub residual: Vec<f64>,
+}
+
+/// Fits all strikes of a recording together, by maximum likelihood.
+///
+/// `samples` have full scale 1. Modes ring at one place; the forces are half-sines. Time and memory
+/// grow in proportion to the length (docs/multi-strike.md).
+///
+/// # Errors
+/// [`StrikesError`] if fewer than two strikes are heard, or if they cannot be told apart.
+pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<Estimate, StrikesError> {
+    let joint = fit(samples, rate_hz, settings)?;
+    let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
+    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    for strike in &mut estimate.strikes {
+        let from = (strike.at_s * rate_hz).max(0.0) as usize;
+        let attack = &samples[from.min(samples.len())..(from + (0.02 * rate_hz) as usize).min(samples.len())];
+        let stands = |three: &[f64]| three.iter().all(|x| *x == three[0] && x.abs() >= 0.999 * largest);
+        strike.is_clipped = attack.windows(3).any(stands);
+    }
+    Ok(estimate)
+}
+
+/// Time in seconds behind a contact in which its fit is looked at.
+const LOOKED_AT_S: f64 = 0.03;
+
+/// Numbers of a fitted model with their standard deviations.
+pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> Estimate {
+    let model = &fitted.model;
+    let mut modes: Vec<ModeEstimate> = (model.poles.iter().zip(&model.gains))
+        .zip(deviations.poles.iter().zip(&deviations.gains))
+        .map(|((pole, gains), ([decay, angular], spreads))| ModeEstimate {
+            frequency_hz: pole.frequency_hz(rate_hz),
+            frequency_hz_sd: angular * rate_hz / TAU,
+            decay_per_s: pole.decay_per_s(rate_hz),
+            decay_per_s_sd: decay * rate_hz,
+            gain: [-gains[0].im * rate_hz, gains[0].re * rate_hz],
+            gain_sd: spreads[0],
+        })
+        .collect();
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    let left_db = left_db(&fitted, rate_hz);
+    let strikes = model.strikes.iter().zip(&deviations.strikes).zip(left_db).map(|((strike, covariance), left_db)| {
+        let contact = strike.contact;
+        let time_sd = covariance[(1, 1)].sqrt() * contact.time;
+        let between = covariance[(0, 1)] * contact.time;
+        let onset = covariance[(0, 0)] + 0.25 * time_sd * time_sd - between;
+        StrikeEstimate {
+            at_s: (contact.middle - 0.5 * contact.time) / rate_hz,
+            at_s_sd: onset.max(0.0).sqrt() / rate_hz,
+            middle_s: contact.middle / rate_hz,
+            middle_s_sd: covariance[(0, 0)].sqrt() / rate_hz,
+            contact_time_s: contact.time / rate_hz,
+            contact_time_s_sd: time_sd / rate_hz,
+            peak_force: contact.peak,
+            peak_force_sd: covariance[(2, 2)].sqrt() * contact.peak,
+            left_db,
+            is_clipped: false,
+        }
+    });
+    let power = fitted.residual.iter().map(|x| x * x).sum::<f64>() / fitted.residual.len().max(1) as f64;
+    Estimate {
+        rate_hz,
+        modes,
+        strikes: strikes.collect(),
+        acceleration: model.acceleration,
+        acceleration_sd: deviations.acceleration,
+        left_dbfs: 10.0 * power.max(1e-30).log10(),
+        residual: fitted.residual,
+    }
+}
+
+/// Power left of each strike in dB over the median of all strikes.
+fn left_db(fitted: &Fitted, rate_hz: f64) -> Vec<f64> {
+    let length = (LOOKED_AT_S * rate_hz) as usize;
+    let powers: Vec<f64> = segments(&fitted.model.strikes, fitted.residual.len(), 0)
+        .iter()
+        .flat_map(|segment| {
+            let behind = &fitted.residual[segment.start..segment.end.min(segment.free + length)];
+            let power = behind.iter().map(|x| x * x).sum::<f64>() / behind.len().max(1) as f64;
+            segment.strikes.clone().map(move |_| power.max(1e-30))
+        })
+        .collect();
+    let mut sorted = powers.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
+    powers.into_iter().map(|power| 10.0 * (power / median).log10()).collect()
+}

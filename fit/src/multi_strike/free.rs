@@ -1,0 +1,305 @@
+//! Modes that ring freely between strikes, each with an amplitude of its own in every stretch.
+//!
+//! The amplitudes follow in closed form, stretch by stretch; the poles are shared
+//! (`crate::modes::refine`). So the modes need no knowledge of the forces.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::modes::{Ending, Group, Model, NoiseFloor, Pole, Settings, refine};
+
+/// Time in seconds in which a contact lies, about the moment near which it was found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Guard {
+    /// Time before the moment.
+    pub(crate) before_s: f64,
+    /// Time behind the moment, contact time included.
+    pub(crate) behind_s: f64,
+}
+
+impl Guard {
+    /// Guard about a rise in the ear's bands.
+    pub(crate) const OF_RISE: Self = Self { before_s: 0.010, behind_s: 0.014 };
+    /// Guard about a change of amplitudes.
+    pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006 };
+}
+
+/// Poles, and the variance of what they leave between strikes.
+#[derive(Clone, Debug)]
+pub(crate) struct FreeModes {
+    pub(crate) poles: Vec<Pole>,
+    pub(crate) variance: f64,
+}
+
+/// Number of stretches, those of most significance, that do not count for a mode.
+///
+/// A strike that was missed spoils one stretch, and modes could be found in it alone.
+const LEFT_OUT: usize = 2;
+/// Least length of a stretch in seconds.
+const SHORTEST_S: f64 = 0.015;
+/// Maximum length of a stretch in seconds in which modes are searched for.
+const LONGEST_S: f64 = 0.8;
+/// Maximum number of stretches in which modes are searched for, those of most energy.
+const MOST_STRETCHES: usize = 14;
+/// Maximum number of passes of search and refinement.
+const PASSES: usize = 16;
+
+/// Stretch behind each strike in which the modes ring freely; empty if there is no time for one.
+pub(crate) fn stretches(onsets: &[usize], guard: Guard, length: usize, rate_hz: f64) -> Vec<Range<usize>> {
+    let [guard, lead, shortest] =
+        [guard.behind_s, guard.before_s, SHORTEST_S].map(|seconds| samples_in(seconds, rate_hz));
+    let ends = onsets.iter().skip(1).map(|next| next.saturating_sub(lead)).chain([length]);
+    let of_strike = |(onset, end): (&usize, usize)| {
+        let start = (onset + guard).min(length);
+        if end < start + shortest { start..start } else { start..end }
+    };
+    onsets.iter().zip(ends).map(of_strike).collect()
+}
+
+fn samples_in(seconds: f64, rate_hz: f64) -> usize {
+    (seconds * rate_hz) as usize
+}
+
+fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64) -> Vec<Range<usize>> {
+    let mut chosen: Vec<Range<usize>> = stretches(onsets, guard, samples.len(), rate_hz)
+        .into_iter()
+        .filter(|stretch| !stretch.is_empty())
+        .map(|stretch| stretch.start..stretch.end.min(stretch.start + samples_in(LONGEST_S, rate_hz)))
+        .collect();
+    let energy = |stretch: &Range<usize>| samples[stretch.clone()].iter().map(|x| x * x).sum::<f64>();
+    chosen.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
+    chosen.truncate(MOST_STRETCHES);
+    chosen.sort_by_key(|stretch| stretch.start);
+    chosen
+}
+
+/// Modes that ring between strikes, searched for from known ones on; `None` if there is no time
+/// between any.
+pub(crate) fn free_modes(
+    samples: &[f64],
+    onsets: &[usize],
+    guard: Guard,
+    rate_hz: f64,
+    settings: Settings,
+    known: &[Pole],
+) -> Option<FreeModes> {
+    let chosen = loudest_stretches(samples, onsets, guard, rate_hz);
+    let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
+    let length = chosen.iter().map(Range::len).max()?;
+    let range = SearchRange::new(length, rate_hz, settings);
+    let threshold = threshold(groups.len(), samples.len());
+    let mut model = refine(&groups, known, Ending::COARSE)?;
+    if !known.is_empty() {
+        let noise = NoiseFloor::of_residual(&residuals(&groups, &model).concat());
+        model = pruned(&groups, model, &noise, range, threshold)?;
+    }
+    for _ in 0..PASSES {
+        let residuals = residuals(&groups, &model);
+        let noise = NoiseFloor::of_residual(&residuals.concat());
+        let free = settings.most_modes.saturating_sub(model.poles.len());
+        let candidates = search(&residuals, &noise, range, threshold, free);
+        if candidates.is_empty() {
+            break;
+        }
+        let mut poles = model.poles.clone();
+        poles.extend(candidates);
+        let Some(more) = refine(&groups, &poles, Ending::COARSE) else { break };
+        let Some(more) = pruned(&groups, more, &noise, range, threshold) else { break };
+        model = more;
+    }
+    let mut powers: Vec<f64> = residuals(&groups, &model)
+        .iter()
+        .map(|left| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64)
+        .collect();
+    powers.sort_by(f64::total_cmp);
+    let variance = powers[powers.len() / 4].max(LEAST_VARIANCE);
+    let mut poles = model.poles;
+    poles.sort_by(|a, b| a.angular.total_cmp(&b.angular));
+    Some(FreeModes { poles, variance })
+}
+
+/// Least variance of the noise: that of 24 bits.
+const LEAST_VARIANCE: f64 = 1e-15;
+
+/// Complex amplitudes of the modes at the first sample of each stretch; empty for an empty one.
+pub(crate) fn amplitudes(
+    samples: &[f64],
+    stretches: &[Range<usize>],
+    poles: &[Pole],
+) -> Vec<Vec<nalgebra::Complex<f64>>> {
+    let of_stretch = |stretch: &Range<usize>| {
+        let groups = [Group::ringing(&samples[stretch.clone()])];
+        let model = (!stretch.is_empty()).then(|| refine(&groups, poles, Ending { steps: 0, ..Ending::COARSE }));
+        model.flatten().map_or(Vec::new(), |mut model| std::mem::take(&mut model.gains[0].modes))
+    };
+    stretches.par_iter().map(of_stretch).collect()
+}
+
+/// Energy in units of the noise that a mode has to explain in a number of stretches.
+///
+/// Its two amplitudes in each stretch explain a noise variance each; their scatter is allowed for
+/// six times over. The Bayesian information criterion asks for the rest.
+fn threshold(stretches: usize, length: usize) -> f64 {
+    let free = 2.0 * stretches as f64;
+    6.0 * (2.0 * free).sqrt() + 4.0 * (length as f64).ln()
+}
+
+fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
+    if model.poles.is_empty() {
+        return groups.iter().map(|group| group.stretches[0].samples.to_vec()).collect();
+    }
+    let of_group = |index: usize| model.residual(index, &groups[index].stretches[0]);
+    (0..groups.len()).into_par_iter().map(of_group).collect()
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SearchRange {
+    slowest: f64,
+    fastest: f64,
+    angular: (f64, f64),
+}
+
+impl SearchRange {
+    fn new(length: usize, rate_hz: f64, settings: Settings) -> Self {
+        Self {
+            slowest: 0.5 / length as f64,
+            fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
+            angular: (2.0 * PI * settings.lowest_hz / rate_hz, PI * 0.98),
+        }
+    }
+}
+
+/// Largest ratio of significance to the strongest candidate (20 dB) in one pass.
+const IN_ONE_PASS: f64 = 100.0;
+/// Factor by which a candidate has to exceed the skirt of a stronger one.
+const OVER_SKIRT: f64 = 8.0;
+
+/// Most significant poles that the residuals of all stretches have in common.
+fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, threshold: f64, most: usize) -> Vec<Pole> {
+    let decays: Vec<f64> = std::iter::successors(Some(range.slowest), |decay| Some(decay * 2.0))
+        .take_while(|decay| *decay < 2.0 * range.fastest)
+        .collect();
+    let expected = 2.0 * residuals.len() as f64;
+    let mut found: Vec<(f64, Pole)> = decays
+        .par_iter()
+        .flat_map_iter(|&decay| {
+            let peaks = peaks(residuals, decay).into_iter();
+            peaks.map(move |(angular, energy)| (energy / noise.variance(angular) - expected, Pole { decay, angular }))
+        })
+        .filter(|(significance, pole)| {
+            *significance > threshold && (range.angular.0..=range.angular.1).contains(&pole.angular)
+        })
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let least = found.first().map_or(threshold, |best| threshold.max(best.0 / IN_ONE_PASS));
+    let length = residuals.iter().map(Vec::len).max().unwrap_or(1);
+    let mut chosen: Vec<(f64, Pole)> = Vec::new();
+    for candidate in found.into_iter().filter(|candidate| candidate.0 >= least) {
+        let stands_out = chosen.iter().all(|stronger| {
+            let distance = candidate.1.angular - stronger.1.angular;
+            let width = (stronger.1.decay + candidate.1.decay).max(PI / length as f64);
+            let skirt = stronger.0 * width * width / (width * width + distance * distance);
+            candidate.0 > OVER_SKIRT * skirt
+        });
+        if stands_out && chosen.len() < most {
+            chosen.push(candidate);
+        }
+    }
+    chosen.into_iter().map(|(_, pole)| pole).collect()
+}
+
+/// Frequencies at which one more mode of a decay explains most energy of all stretches.
+fn peaks(residuals: &[Vec<f64>], decay: f64) -> Vec<(f64, f64)> {
+    let lasting = (6.0 / decay).ceil() as usize + 2;
+    let longest = residuals.iter().map(|residual| residual.len().min(lasting)).max().unwrap_or(1);
+    let size = (2 * longest).next_power_of_two().max(64);
+    let transform = fourier::forward(size);
+    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+    let left_out = if residuals.len() > 3 * LEFT_OUT { LEFT_OUT } else { 0 };
+    let mut power = vec![0.0; output.len()];
+    let mut largest = vec![[0.0; LEFT_OUT]; output.len()];
+    for residual in residuals {
+        let length = residual.len().min(lasting);
+        let (mut weight, ratio, mut energy) = (1.0, (-decay).exp(), 0.0);
+        input.fill(0.0);
+        for (slot, x) in input.iter_mut().zip(&residual[..length]) {
+            *slot = x * weight;
+            energy += weight * weight;
+            weight *= ratio;
+        }
+        if energy == 0.0 || transform.process(&mut input, &mut output).is_err() {
+            continue;
+        }
+        for ((sum, largest), bin) in power.iter_mut().zip(&mut largest).zip(&output) {
+            let mut here = 2.0 * bin.norm_sqr() / energy;
+            *sum += here;
+            for slot in largest.iter_mut().take(left_out) {
+                if here > *slot {
+                    std::mem::swap(slot, &mut here);
+                }
+            }
+        }
+    }
+    power.iter_mut().zip(&largest).for_each(|(sum, largest)| *sum -= largest.iter().sum::<f64>());
+    let mut peaks = Vec::new();
+    for (before, three) in power.windows(3).enumerate() {
+        let [left, power, right] = [three[0], three[1], three[2]];
+        if power < left || power <= right {
+            continue;
+        }
+        let bend = left - 2.0 * power + right;
+        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        peaks.push((PI * (before as f64 + 1.0 + offset) / (size / 2) as f64, power));
+    }
+    peaks
+}
+
+/// The model without poles that have left the search's range or explain too little.
+fn pruned(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, range: SearchRange, threshold: f64) -> Option<Model> {
+    let mut model = model;
+    let least = threshold + 2.0 * groups.len() as f64;
+    loop {
+        let (lowest, highest) = range.angular;
+        let unworthy = |mode: &usize| {
+            let pole = model.poles[*mode];
+            let strayed = pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
+            strayed || model.worth[*mode] < least * noise.variance(pole.angular)
+        };
+        let worst = (0..model.poles.len()).filter(unworthy).min_by(|a, b| model.worth[*a].total_cmp(&model.worth[*b]));
+        let Some(worst) = worst else { return Some(model) };
+        model = refine(groups, &model.without(&[worst]), Ending::COARSE)?;
+    }
+}
+
+/// Energy `Σ |z|²ⁿ` of a mode in a stretch.
+pub(crate) fn energy_of(pole: Pole, length: usize) -> f64 {
+    let twice = 2.0 * pole.decay;
+    (1.0 - (-twice * length as f64).exp()) / (1.0 - (-twice).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::synthetic::plain;
+
+    #[test]
+    fn poles_of_all_loud_modes_are_found_between_strikes() {
+        let sound = plain(2, 5.0, 8, -60.0);
+        let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
+        let found = free_modes(&sound.samples, &onsets, Guard::OF_CHANGE, sound.rate_hz, Settings::default(), &[])
+            .map_or(Vec::new(), |free| free.poles);
+        let cents = |mode: &crate::multi_strike::synthetic::TrueMode| {
+            let distance = |pole: &Pole| (1200.0 * (pole.frequency_hz(sound.rate_hz) / mode.frequency_hz).log2()).abs();
+            found.iter().map(distance).fold(f64::INFINITY, f64::min)
+        };
+        let near = sound.modes.iter().filter(|mode| cents(mode) < 1.0).count();
+        assert!(
+            near + 1 >= sound.modes.len() && found.len() <= near + 1,
+            "{near} of {}, {}",
+            sound.modes.len(),
+            found.len()
+        );
+    }
+}

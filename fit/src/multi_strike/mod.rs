@@ -1,0 +1,39 @@
+//! One recording, many strikes: modes, gains and all forces by maximum likelihood together.
+//!
+//! ```text
+//! sound ─► rises ─► free modes ─► changes ─► start ─► alignment ─► descend ─► estimate
+//!          (ears'   (amplitudes    (matched   (grid     (common      (through     │
+//!          bands)    of their own   to the     over τ    time of      the         │
+//!                    in each gap)   modes)     and δ)    contacts)    contact)    │
+//!                                                            ▲                    │
+//!                                                            └──── completion ◄───┘
+//! ```
+//!
+//! [`estimate()`] needs no start and no knowledge of the forces. The folder `joint` fits modes
+//! and noise of one strike together; this one fits many strikes.
+
+mod alignment;
+mod arrow;
+mod changes;
+mod completion;
+mod contact;
+mod descend;
+mod equations;
+mod error;
+mod estimate;
+mod fit;
+mod free;
+mod model;
+mod ringing;
+mod rises;
+mod start;
+pub mod synthetic;
+mod table;
+mod tied;
+mod truth;
+mod whitening;
+
+pub use error::StrikesError;
+pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
+pub use table::{events, table};
+pub use truth::cramer_rao;

@@ -1,0 +1,124 @@
+//! Search for modes that a fitted model lacks, with the amplitudes that its contacts ask for.
+//!
+//! Behind strike j a mode of gain g rings as `g G_j z^n`, `G_j = m_j Q(s, τ_j) e^{s(t_j - c_j)}`,
+//! c_j the middle of the contact and t_j the beginning of the stretch. With the contacts known, all
+//! stretches share the one number g, and a mode explains the energy
+//! `2 |Σ_j G_j* Σ_n r z*ⁿ|² / Σ_j |G_j|² Σ_n |z|²ⁿ`. So modes are found that no single stretch
+//! shows.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use nalgebra::Complex;
+use rayon::prelude::*;
+
+use super::contact::{Contact, strength};
+use super::model::{Model, segments};
+use crate::modes::{NoiseFloor, Pole, Settings};
+
+type C64 = Complex<f64>;
+
+/// Maximum number of stretches that are searched, those behind the strongest strikes.
+const MOST_STRETCHES: usize = 24;
+/// Maximum length of a stretch in seconds.
+const LONGEST_S: f64 = 1.5;
+/// Samples behind a contact that are left out.
+const BEHIND: usize = 4;
+/// Largest ratio of significance to the strongest candidate (20 dB) in one pass.
+const IN_ONE_PASS: f64 = 100.0;
+/// Factor by which a candidate has to exceed the skirt of a stronger one.
+const OVER_SKIRT: f64 = 8.0;
+
+/// Stretch behind a strike, and the strike's contact.
+type Behind = (Contact, Range<usize>);
+
+/// Poles of modes that stand out of the residual, the most significant first.
+pub(crate) fn tied_modes(model: &Model, residual: &[f64], rate_hz: f64, settings: Settings) -> Vec<Pole> {
+    let longest = (LONGEST_S * rate_hz) as usize;
+    let mut behind: Vec<Behind> = segments(&model.strikes, residual.len(), BEHIND)
+        .into_iter()
+        .filter(|segment| segment.strikes.len() == 1 && segment.end > segment.free + 64)
+        .map(|segment| {
+            let contact = model.strikes[segment.strikes.start].contact;
+            (contact, segment.free..segment.end.min(segment.free + longest))
+        })
+        .collect();
+    behind.sort_by(|a, b| b.0.peak.total_cmp(&a.0.peak));
+    behind.truncate(MOST_STRETCHES);
+    let Some(length) = behind.iter().map(|(_, stretch)| stretch.len()).max() else { return Vec::new() };
+    let noise: Vec<f64> = behind.iter().flat_map(|(_, stretch)| residual[stretch.clone()].iter().copied()).collect();
+    let noise = NoiseFloor::of_residual(&noise);
+    let (slowest, fastest) = (0.5 / length as f64, (settings.fastest_decay_per_s / rate_hz).min(0.3));
+    let decays: Vec<f64> = std::iter::successors(Some(slowest), |decay| Some(decay * 2.0))
+        .take_while(|decay| *decay < 2.0 * fastest)
+        .collect();
+    let (lowest, highest) = (2.0 * PI * settings.lowest_hz / rate_hz, PI * 0.98);
+    let threshold = 4.0 * (residual.len() as f64).ln();
+    let mut found: Vec<(f64, Pole)> = decays
+        .iter()
+        .flat_map(|&decay| peaks(&behind, residual, decay))
+        .map(|(energy, pole)| (energy / noise.variance(pole.angular), pole))
+        .filter(|(significance, pole)| *significance > threshold && (lowest..highest).contains(&pole.angular))
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let least = found.first().map_or(threshold, |best| threshold.max(best.0 / IN_ONE_PASS));
+    let mut chosen: Vec<(f64, Pole)> = Vec::new();
+    for candidate in found.into_iter().filter(|candidate| candidate.0 >= least) {
+        let stands_out = chosen.iter().all(|stronger| {
+            let distance = candidate.1.angular - stronger.1.angular;
+            let width = (stronger.1.decay + candidate.1.decay).max(PI / length as f64);
+            candidate.0 > OVER_SKIRT * stronger.0 * width * width / (width * width + distance * distance)
+        });
+        if stands_out && chosen.len() < settings.most_modes {
+            chosen.push(candidate);
+        }
+    }
+    chosen.into_iter().map(|(_, pole)| pole).collect()
+}
+
+/// Frequencies at which one more mode of a decay explains most energy, with that energy.
+fn peaks(behind: &[Behind], residual: &[f64], decay: f64) -> Vec<(f64, Pole)> {
+    let lasting = (6.0 / decay).ceil() as usize + 2;
+    let longest = behind.iter().map(|(_, stretch)| stretch.len().min(lasting)).max().unwrap_or(1);
+    let size = (2 * longest).next_power_of_two().max(64);
+    let transform = fourier::forward(size);
+    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+    let bin = PI / (size / 2) as f64;
+    let mut along = vec![C64::new(0.0, 0.0); output.len()];
+    let mut sizes = vec![0.0; output.len()];
+    for (contact, stretch) in behind {
+        let samples = &residual[stretch.start..stretch.end.min(stretch.start + lasting)];
+        let (mut weight, ratio, mut energy) = (1.0, (-decay).exp(), 0.0);
+        input.fill(0.0);
+        for (slot, x) in input.iter_mut().zip(samples) {
+            *slot = x * weight;
+            energy += weight * weight;
+            weight *= ratio;
+        }
+        if transform.process(&mut input, &mut output).is_err() {
+            continue;
+        }
+        let since = stretch.start as f64 - contact.middle;
+        (along.par_iter_mut().zip(&mut sizes).zip(&output)).with_min_len(1024).enumerate().for_each(
+            |(index, ((along, size), sum))| {
+                let exponent = C64::new(-decay, bin * index as f64);
+                let amplitude = strength(exponent, contact.time).value * (exponent * since).exp() * contact.peak;
+                *along += amplitude.conj() * sum;
+                *size += amplitude.norm_sqr() * energy;
+            },
+        );
+    }
+    let power: Vec<f64> =
+        along.iter().zip(&sizes).map(|(along, size)| 2.0 * along.norm_sqr() / size.max(1e-300)).collect();
+    let mut peaks = Vec::new();
+    for (before, three) in power.windows(3).enumerate() {
+        let [left, here, right] = [three[0], three[1], three[2]];
+        if here < left || here <= right {
+            continue;
+        }
+        let bend = left - 2.0 * here + right;
+        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        peaks.push((here, Pole { decay, angular: bin * (before as f64 + 1.0 + offset) }));
+    }
+    peaks
+}

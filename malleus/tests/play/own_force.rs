@@ -1,0 +1,83 @@
+//! Strikes whose force stands in the events, and recordings of many strikes that are played anew.
+
+use std::path::Path;
+
+use crate::folder::{Folder, samples};
+
+#[test]
+fn a_strike_with_its_laws_own_force_sounds_as_the_law() {
+    let folder = Folder::new();
+    // At velocity 1 the striker's law gives its peak force and contact time themselves.
+    folder.write("law.csv", b"time_s,pad,velocity\n0.01001,bar,1\n0.2,bar,1\n");
+    folder.write(
+        "own.csv",
+        b"time_s,pad,velocity,peak_force,contact_time_s\n0.01001,bar,0.3,1,0.0005\n0.2,bar,1,,0.0005\n",
+    );
+    let played = |name: &str, option: &str| {
+        let words = format!("play --kit kit.toml --strikes {name}.csv -o {name}.wav --tail 0.3{option}");
+        let output = folder.malleus(&words);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        samples(&folder.path(&format!("{name}.wav")))
+    };
+    // The instrument computes the force of a law in 32 bits: -80 dB. The reference's is exact.
+    for (option, share) in [("", 10_000), (" --reference", 200_000)] {
+        let (law, own) = (played("law", option), played("own", option));
+        let largest = law.iter().map(|x| x.abs()).max().unwrap();
+        let worst = law.iter().zip(&own).map(|(a, b)| (a - b).abs()).max().unwrap();
+        assert!(largest > 1 << 18 && worst < largest / share + 2, "{option}: {worst} of {largest}");
+    }
+}
+
+#[test]
+fn forces_that_cannot_be_played_are_refused_with_line_and_field() {
+    let folder = Folder::new();
+    let header = "sample,pad,velocity,position,action,peak_force,contact_time_s\n";
+    folder.refuses_strikes(&format!("{header}0,bar,1,,,-1,\n"), &["line 2", "peak_force", "-1"]);
+    folder.refuses_strikes(&format!("{header}0,bar,1,,,,9\n"), &["line 2", "contact_time_s", "9"]);
+    folder.refuses_strikes(&format!("{header}0,bar,1,0.5,,1,\n"), &["line 2", "position", "must be 0"]);
+    folder.refuses_strikes(&format!("{header}0,bar,,,choke,1,\n"), &["line 2", "only a strike"]);
+    folder.refuses_strikes(&format!("{header}9,bar,1,,,1,\n5,bar,1,,,,\n"), &["line 3", "earlier"]);
+}
+
+/// Writes a recording of 24 bits.
+fn write_recording(path: &Path, sound: &[f64]) {
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: 44_100,
+        bits_per_sample: 24,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(path, spec).unwrap();
+    sound.iter().for_each(|x| writer.write_sample((x * 8_388_608.0).round() as i32).unwrap());
+    writer.finalize().unwrap();
+}
+
+#[test]
+fn fitted_strikes_replay_their_recording_down_to_its_noise() {
+    let folder = Folder::new();
+    let sound = fit::multi_strike::synthetic::plain(8, 6.0, 10, -60.0);
+    write_recording(&folder.path("taps.wav"), &sound.samples);
+    let output = folder.malleus("fit taps.wav -o taps.toml --events taps.csv --json");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let strikes = report[0]["report"]["strikes"].as_array().unwrap();
+    assert_eq!((report[0]["outcome"].as_str(), strikes.len()), (Some("together"), 10));
+    assert!(strikes[3]["contact_time_s_sd"].as_f64().unwrap() > 0.0);
+    let output = folder.malleus("play --kit taps.toml --strikes taps.csv -o again.wav --rate 44100 --tail 2");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let again = samples(&folder.path("again.wav"));
+    let left = sound.samples.iter().enumerate().map(|(n, x)| {
+        let played = again.get(2 * n).map_or(0.0, |y| f64::from(*y) / 8_388_608.0);
+        (x - played).powi(2)
+    });
+    let left_db = 10.0 * (left.sum::<f64>() / sound.samples.len() as f64).log10();
+    assert!(left_db < -59.0, "{left_db} dBFS are left");
+}
+
+#[test]
+fn events_of_a_single_strike_are_refused_by_name() {
+    let folder = Folder::new();
+    let sound = fit::multi_strike::synthetic::plain(8, 1.5, 1, -60.0);
+    write_recording(&folder.path("once.wav"), &sound.samples);
+    folder.refuses("fit once.wav -o once.toml --events once.csv", &["once.wav", "strikes", "--events"]);
+}
