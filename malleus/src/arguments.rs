@@ -141,8 +141,7 @@ pub(crate) struct FitArguments {
     #[arg(long, value_name = "OUT.wav")]
     pub(crate) render: Option<PathBuf>,
     /// Fit all strikes of the recording together, and write them as events that replay it on the
-    /// table, with force and contact time of each (docs/multi-strike.md). Without this option
-    /// recordings of six strikes and more are fitted so
+    /// table, with force and contact time of each (docs/multi-strike.md)
     #[arg(long, value_name = "OUT.csv", conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render", "report"])]
     pub(crate) events: Option<PathBuf>,
     /// Write a self-contained page of sound, pictures and figures for each recording into this

@@ -115,14 +115,11 @@ fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
     if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
         return Outcome::Skipped;
     }
-    match fit_strikes::fit_and_write(arguments, job) {
-        Ok(Some(report)) => return Outcome::Together { report: Box::new(report) },
-        Ok(None) => {}
-        Err(error) => return Outcome::Failed { error },
-    }
-    let outcome = match arguments.dynamic_filter {
-        None => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
-        Some(beside) => fit_filter::fit_and_write(arguments, job, beside)
+    let outcome = match (arguments.dynamic_filter, &arguments.events) {
+        (None, Some(events)) => fit_strikes::fit_and_write(arguments, job, events)
+            .map(|report| Outcome::Together { report: Box::new(report) }),
+        (None, None) => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
+        (Some(beside), _) => fit_filter::fit_and_write(arguments, job, beside)
             .map(|report| Outcome::Filtered { report: Box::new(report) }),
     };
     outcome.unwrap_or_else(|error| Outcome::Failed { error })

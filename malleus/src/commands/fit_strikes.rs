@@ -4,79 +4,45 @@ use std::path::{Path, PathBuf};
 
 use ::fit::audio;
 use ::fit::multi_strike::{self, Estimate};
-use ::fit::segment;
 use ::fit::table::Provenance;
 use serde::Serialize;
 
 use super::fit_job::{Job, with_file};
 use crate::arguments::{EstimatorName, FitArguments};
 
-/// Number of strikes from which a recording is fitted as a whole without being asked to.
-const MANY: usize = 6;
-
 /// Figures of a recording whose strikes were fitted together.
 #[derive(Debug, Serialize)]
 pub(crate) struct StrikesReport {
     /// Decisions that were made without asking.
     notes: Vec<String>,
-    /// Events that replay the recording; null without `--events`.
-    events: Option<PathBuf>,
+    /// Events that replay the recording.
+    events: PathBuf,
     #[serde(flatten)]
     pub(crate) estimate: Estimate,
     /// Duration of the fit in seconds.
     pub(crate) seconds: f64,
 }
 
-/// True if the options leave it to the recording whether all its strikes are fitted together.
-///
-/// Chosen hits, a measured force and everything that shows or bounds the fit of one strike keep
-/// their meaning.
-fn may_be_together(arguments: &FitArguments) -> bool {
-    arguments.hits.is_empty()
-        && arguments.force_channel.is_none()
-        && arguments.estimator == EstimatorName::Modal
-        && arguments.dynamic_filter.is_none()
-        && arguments.render.is_none()
-        && arguments.report.is_none()
-        && arguments.budget.is_none()
-}
-
-/// Fits all strikes together, and writes table and events.
-///
-/// Returns `None` for a recording that is to be fitted strike by strike: `--events` is not given,
-/// and it has fewer than 6 strikes, or they cannot be fitted together.
-pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Option<StrikesReport>, String> {
-    if arguments.events.is_none() && !may_be_together(arguments) {
-        return Ok(None);
-    }
+/// Fits all strikes together, and writes the table and, at `events`, the events that replay it.
+pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, events: &Path) -> Result<StrikesReport, String> {
     let start = std::time::Instant::now();
-    let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
-    if arguments.events.is_none() && !segment::hits(&recording).is_ok_and(|(hits, _)| hits.len() >= MANY) {
-        return Ok(None);
+    if arguments.estimator != EstimatorName::Modal {
+        return Err("`--events` needs the estimator `modal`: leave `--estimator` out".to_owned());
     }
+    let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
     let mut settings = ::fit::modes::Settings::default();
     settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
-    let estimate = match multi_strike::estimate(&recording.samples, recording.rate_hz, settings) {
-        Ok(estimate) => estimate,
-        Err(_) if arguments.events.is_none() => return Ok(None),
-        Err(error) => return Err(format!("{}: {error}", job.input.display())),
-    };
+    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings)
+        .map_err(|error| format!("{}: {error}", job.input.display()))?;
     let provenance = provenance(&job.input, &estimate, arguments);
     let table = multi_strike::table(&estimate, &provenance);
     let text = ::kit::text::write(&table);
     ::kit::file::write_whole(&job.table, text.as_bytes()).map_err(|error| error.to_string())?;
-    if let Some(path) = &arguments.events {
-        let text = multi_strike::events(&estimate, &table);
-        ::kit::file::write_whole(path, text.as_bytes()).map_err(|error| error.to_string())?;
-    }
+    let text = multi_strike::events(&estimate, &table);
+    ::kit::file::write_whole(events, text.as_bytes()).map_err(|error| error.to_string())?;
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     notes.extend(flagged(&estimate));
-    Ok(Some(StrikesReport {
-        notes,
-        events: arguments.events.clone(),
-        estimate,
-        seconds: start.elapsed().as_secs_f64(),
-    }))
+    Ok(StrikesReport { notes, events: events.to_owned(), estimate, seconds: start.elapsed().as_secs_f64() })
 }
 
 fn provenance(input: &Path, estimate: &Estimate, arguments: &FitArguments) -> Provenance {
