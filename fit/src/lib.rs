@@ -27,6 +27,7 @@ mod band;
 mod decay;
 mod error;
 mod joint;
+mod parabola;
 mod random;
 mod trim;
 

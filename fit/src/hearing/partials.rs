@@ -3,6 +3,7 @@
 use fourier::Complex;
 
 use super::gammatone::threshold_db;
+use crate::parabola;
 
 /// Number of samples in a spectrum.
 const SIZE: usize = 8192;
@@ -56,10 +57,8 @@ pub struct Partials {
 
 impl Peak {
     fn new(levels: &[f64], bin: usize) -> Self {
-        let [left, middle, right] = [levels[bin - 1], levels[bin], levels[bin + 1]];
-        let bend = left - 2.0 * middle + right;
-        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-        Self { bin, level_db: middle, place: bin as f64 + offset }
+        let offset = parabola::top([levels[bin - 1], levels[bin], levels[bin + 1]]);
+        Self { bin, level_db: levels[bin], place: bin as f64 + offset }
     }
 }
 

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use super::noise::NoiseFloor;
 use super::pole::Pole;
+use crate::parabola;
 
 /// A possible mode.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,19 @@ pub(crate) struct Range {
     pub(crate) angular: (f64, f64),
 }
 
+impl Range {
+    /// Decays of the search's grid.
+    pub(crate) fn decays(self) -> impl Iterator<Item = f64> {
+        let grid = std::iter::successors(Some(self.slowest), |decay| Some(decay * GRID));
+        grid.take_while(move |decay| *decay < self.fastest * GRID)
+    }
+
+    /// True if a frequency in rad/sample lies within the search.
+    pub(crate) fn holds(self, angular: f64) -> bool {
+        (self.angular.0..=self.angular.1).contains(&angular)
+    }
+}
+
 /// Finds the most significant modes; those in the skirt of a stronger one are left to the next
 /// pass.
 pub(crate) fn search(
@@ -38,16 +52,20 @@ pub(crate) fn search(
     most: usize,
 ) -> Vec<Candidate> {
     let mut found: Vec<Candidate> = Vec::new();
-    let mut decay = range.slowest;
-    while decay < range.fastest * GRID {
+    for decay in range.decays() {
         for (angular, energy) in peaks(residual, decay) {
             let significance = energy / noise.variance(angular);
-            if significance > threshold && (range.angular.0..=range.angular.1).contains(&angular) {
+            if significance > threshold && range.holds(angular) {
                 found.push(Candidate { pole: Pole { decay, angular }, significance });
             }
         }
-        decay *= GRID;
     }
+    standing_out(found, threshold, most, residual.len())
+}
+
+/// Candidates above a threshold that stand out of the skirts of stronger ones, the most significant
+/// first. `length` is the longest time in samples that they were seen for.
+pub(crate) fn standing_out(mut found: Vec<Candidate>, threshold: f64, most: usize, length: usize) -> Vec<Candidate> {
     found.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     let mut chosen: Vec<Candidate> = Vec::new();
     let threshold = found.first().map_or(threshold, |best| threshold.max(best.significance / IN_ONE_PASS));
@@ -56,7 +74,7 @@ pub(crate) fn search(
         if chosen.len() >= most {
             break;
         }
-        if chosen.iter().all(|stronger| stands_out(&candidate, stronger, residual.len())) {
+        if chosen.iter().all(|stronger| stands_out(&candidate, stronger, length)) {
             chosen.push(candidate);
         }
     }
@@ -97,17 +115,6 @@ fn peaks(residual: &[f64], decay: f64) -> Vec<(f64, f64)> {
     if transform.process(&mut input, &mut output).is_err() {
         return Vec::new();
     }
-    let mut peaks = Vec::new();
     let power: Vec<f64> = output.iter().map(|bin| 2.0 * bin.norm_sqr() / energy).collect();
-    for (before, three) in power.windows(3).enumerate() {
-        let [left, power, right] = [three[0], three[1], three[2]];
-        if power < left || power <= right {
-            continue;
-        }
-        let bend = left - 2.0 * power + right;
-        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-        let angular = PI * (before as f64 + 1.0 + offset) / (size / 2) as f64;
-        peaks.push((angular, power));
-    }
-    peaks
+    parabola::peaks(&power).map(|(place, power)| (PI * place / (size / 2) as f64, power)).collect()
 }

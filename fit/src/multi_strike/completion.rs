@@ -1,11 +1,11 @@
-//! What a fitted model lacks, and what of it explains too little.
+//! Strikes and modes that a fitted model lacks, and those of it that explain too little.
 
 use nalgebra::Complex;
 
 use super::changes::changes;
 use super::descend::{Fitted, deviations};
 use super::equations::residual;
-use super::model::{Model, Strike, segments};
+use super::model::{Model, Strike};
 use super::start::missing as missing_strike;
 use super::tied::tied_modes;
 use super::whitening::Whitening;
@@ -19,8 +19,6 @@ const MOST_AT_A_TIME: usize = 12;
 const STRAYED: f64 = 1.5;
 /// Distance of two modes in sums of their decays within which only one is dropped at a time.
 const NEIGHBOURS: f64 = 10.0;
-/// Time in seconds behind a contact in which its fit is looked at.
-const LOOKED_AT_S: f64 = 0.03;
 /// Ratio to the median power left behind a strike above which the strike is sought anew.
 const FAR_MORE: f64 = 8.0;
 
@@ -58,20 +56,8 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
 
 /// Strikes behind which far more is left than behind the others, and the noise's variance.
 fn misplaced(fitted: &Fitted, rate_hz: f64) -> (Vec<usize>, f64) {
-    let length = (LOOKED_AT_S * rate_hz) as usize;
-    let powers: Vec<(usize, f64)> = segments(&fitted.model.strikes, fitted.residual.len(), 0)
-        .iter()
-        .flat_map(|segment| {
-            let behind = &fitted.residual[segment.start..segment.end.min(segment.free + length)];
-            let power = behind.iter().map(|x| x * x).sum::<f64>() / behind.len().max(1) as f64;
-            segment.strikes.clone().map(move |strike| (strike, power))
-        })
-        .collect();
-    let mut sorted: Vec<f64> = powers.iter().map(|(_, power)| *power).collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    let loud: Vec<usize> =
-        powers.iter().filter(|(_, power)| *power > FAR_MORE * median).map(|(strike, _)| *strike).collect();
+    let (powers, median) = fitted.left_behind(rate_hz);
+    let loud: Vec<usize> = (0..powers.len()).filter(|&strike| powers[strike] > FAR_MORE * median).collect();
     if loud.len() * 4 > powers.len() { (Vec::new(), median) } else { (loud, median) }
 }
 

@@ -1,16 +1,17 @@
 //! Response of a mode to one contact whose force is a half-sine, in continuous time.
 //!
-//! The force is `sin(pt)`, `p = π/τ`, from t = 0 to the contact time τ (diffimpact §3.2). A mode
-//! has the pole `s = -d + jω` and the response `e^{st}`. While the contact lasts, the mode moves as
+//! The force is `sin(pt)`, `p = π/τ`, from t = 0 to the contact time τ (diffimpact §3.2). A mode of
+//! decay d and frequency ω answers an impulse with `e^{st}`, `s = -d + jω`. During the contact its
+//! amplitude is
 //!
 //! ```text
 //! B(t) = ∫₀ᵗ sin(pu) e^{s(t-u)} du = (p e^{st} - s sin pt - p cos pt) / (s² + p²)
 //! ```
 //!
 //! Afterwards it rings as `Q(τ) e^{s(t - τ/2)}`, `Q(τ) = 2p cosh(sτ/2) / (s² + p²)`. Q is referred
-//! to the middle of the contact: without damping it is real, so that the phases of all modes tell
-//! the middle, whatever the contact time is. Times are in samples, and the samples of the sound are
-//! those of the continuous response.
+//! to the middle of the contact: without damping it is real, whatever the contact time is, so that
+//! the middle follows from the phases of all modes. Times are in samples. Each sample of the sound
+//! is the continuous response at its time.
 
 use std::f64::consts::PI;
 

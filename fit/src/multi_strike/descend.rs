@@ -4,7 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::arrow::Arrow;
 use super::equations::{energy, equations, residual};
-use super::model::Model;
+use super::model::{Model, Segment, segments};
 use super::whitening::Whitening;
 use crate::modes::Pole;
 
@@ -26,6 +26,9 @@ impl Ending {
     pub(crate) const FINE: Self = Self { steps: 30, gain: 1e-2 };
 }
 
+/// Time in seconds behind a contact in which its fit is looked at.
+const LOOKED_AT_S: f64 = 0.03;
+
 /// A model with what it leaves of the recording.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
@@ -46,6 +49,22 @@ impl Fitted {
     /// Rms of the whitened residual.
     pub(crate) fn noise_rms(&self) -> f64 {
         (self.energy / self.residual.len().max(1) as f64).sqrt()
+    }
+
+    /// Power that is left behind each strike, and the median of all strikes.
+    pub(crate) fn left_behind(&self, rate_hz: f64) -> (Vec<f64>, f64) {
+        let length = (LOOKED_AT_S * rate_hz) as usize;
+        let of_segment = |segment: &Segment| {
+            let behind = &self.residual[segment.start..segment.end.min(segment.free + length)];
+            let power = behind.iter().map(|x| x * x).sum::<f64>() / behind.len().max(1) as f64;
+            segment.strikes.clone().map(move |_| power.max(1e-30))
+        };
+        let segments = segments(&self.model.strikes, self.residual.len(), 0);
+        let powers: Vec<f64> = segments.iter().flat_map(of_segment).collect();
+        let mut sorted = powers.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1e-30);
+        (powers, median)
     }
 
     /// Normal equations at the model, with the unit of force held.
@@ -176,7 +195,7 @@ pub(crate) struct Deviations {
 /// `None` if two modes or two strikes cannot be told apart.
 pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Deviations> {
     let arrow = fitted.equations(whitening);
-    // What the sound does not tell gets a large deviation.
+    // A number that the sound does not determine gets a large deviation.
     let factor = arrow.factor(0.0).or_else(|| arrow.factor(UNTOLD))?;
     let variance = fitted.noise_rms().powi(2);
     let shared = factor.shared_covariance() * variance;

@@ -1,4 +1,4 @@
-//! What a joint fit tells: modes, strikes and their standard deviations.
+//! Modes and strikes of a fitted recording, with the standard deviation of each number.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,6 @@ use serde::Serialize;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
 use super::fit::fit;
-use super::model::segments;
 use crate::modes::Settings;
 
 /// A mode with the standard deviations of its numbers.
@@ -85,8 +84,9 @@ pub struct Estimate {
 
 /// Fits all strikes of a recording together, by maximum likelihood.
 ///
-/// `samples` have full scale 1. Modes ring at one place; the forces are half-sines. Time and memory
-/// grow in proportion to the length (docs/multi-strike.md).
+/// Full scale of `samples` is 1. The model has one thing that is struck at one place, and forces
+/// that are half-sines. Time and memory grow in proportion to the length (docs/multi-strike.md has
+/// the accuracy and the cost).
 ///
 /// # Errors
 /// [`StrikesError`] if fewer than two strikes are heard, or if they cannot be told apart.
@@ -103,9 +103,6 @@ pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<Est
     Ok(estimate)
 }
 
-/// Time in seconds behind a contact in which its fit is looked at.
-const LOOKED_AT_S: f64 = 0.03;
-
 /// Numbers of a fitted model with their standard deviations.
 pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> Estimate {
     let model = &fitted.model;
@@ -121,7 +118,8 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-    let left_db = left_db(&fitted, rate_hz);
+    let (powers, median) = fitted.left_behind(rate_hz);
+    let left_db = powers.into_iter().map(|power| 10.0 * (power / median).log10());
     let strikes = model.strikes.iter().zip(&deviations.strikes).zip(left_db).map(|((strike, covariance), left_db)| {
         let contact = strike.contact;
         let time_sd = covariance[(1, 1)].sqrt() * contact.time;
@@ -150,21 +148,4 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
         left_dbfs: 10.0 * power.max(1e-30).log10(),
         residual: fitted.residual,
     }
-}
-
-/// Power left of each strike in dB over the median of all strikes.
-fn left_db(fitted: &Fitted, rate_hz: f64) -> Vec<f64> {
-    let length = (LOOKED_AT_S * rate_hz) as usize;
-    let powers: Vec<f64> = segments(&fitted.model.strikes, fitted.residual.len(), 0)
-        .iter()
-        .flat_map(|segment| {
-            let behind = &fitted.residual[segment.start..segment.end.min(segment.free + length)];
-            let power = behind.iter().map(|x| x * x).sum::<f64>() / behind.len().max(1) as f64;
-            segment.strikes.clone().map(move |_| power.max(1e-30))
-        })
-        .collect();
-    let mut sorted = powers.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
-    powers.into_iter().map(|power| 10.0 * (power / median).log10()).collect()
 }

@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::modes::{Ending, Group, Model, NoiseFloor, Pole, Settings, refine};
+use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine, standing_out};
+use crate::parabola;
 
 /// Time in seconds in which a contact lies, about the moment near which it was found.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +89,7 @@ pub(crate) fn free_modes(
     let chosen = loudest_stretches(samples, onsets, guard, rate_hz);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
-    let range = SearchRange::new(length, rate_hz, settings);
+    let range = search_range(length, rate_hz, settings);
     let threshold = threshold(groups.len(), samples.len());
     let mut model = refine(&groups, known, Ending::COARSE)?;
     if !known.is_empty() {
@@ -154,60 +155,31 @@ fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
     (0..groups.len()).into_par_iter().map(of_group).collect()
 }
 
-#[derive(Clone, Copy, Debug)]
-struct SearchRange {
-    slowest: f64,
-    fastest: f64,
-    angular: (f64, f64),
-}
-
-impl SearchRange {
-    fn new(length: usize, rate_hz: f64, settings: Settings) -> Self {
-        Self {
-            slowest: 0.5 / length as f64,
-            fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
-            angular: (2.0 * PI * settings.lowest_hz / rate_hz, PI * 0.98),
-        }
+/// Range of the search in stretches of up to `length` samples.
+pub(crate) fn search_range(length: usize, rate_hz: f64, settings: Settings) -> SearchRange {
+    SearchRange {
+        slowest: 0.5 / length as f64,
+        fastest: (settings.fastest_decay_per_s / rate_hz).min(0.3),
+        angular: (2.0 * PI * settings.lowest_hz / rate_hz, PI * 0.98),
     }
 }
-
-/// Largest ratio of significance to the strongest candidate (20 dB) in one pass.
-const IN_ONE_PASS: f64 = 100.0;
-/// Factor by which a candidate has to exceed the skirt of a stronger one.
-const OVER_SKIRT: f64 = 8.0;
 
 /// Most significant poles that the residuals of all stretches have in common.
 fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, threshold: f64, most: usize) -> Vec<Pole> {
-    let decays: Vec<f64> = std::iter::successors(Some(range.slowest), |decay| Some(decay * 2.0))
-        .take_while(|decay| *decay < 2.0 * range.fastest)
-        .collect();
+    let decays: Vec<f64> = range.decays().collect();
     let expected = 2.0 * residuals.len() as f64;
-    let mut found: Vec<(f64, Pole)> = decays
+    let found: Vec<Candidate> = decays
         .par_iter()
         .flat_map_iter(|&decay| {
-            let peaks = peaks(residuals, decay).into_iter();
-            peaks.map(move |(angular, energy)| (energy / noise.variance(angular) - expected, Pole { decay, angular }))
+            peaks(residuals, decay).into_iter().map(move |(angular, energy)| Candidate {
+                pole: Pole { decay, angular },
+                significance: energy / noise.variance(angular) - expected,
+            })
         })
-        .filter(|(significance, pole)| {
-            *significance > threshold && (range.angular.0..=range.angular.1).contains(&pole.angular)
-        })
+        .filter(|candidate| candidate.significance > threshold && range.holds(candidate.pole.angular))
         .collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let least = found.first().map_or(threshold, |best| threshold.max(best.0 / IN_ONE_PASS));
     let length = residuals.iter().map(Vec::len).max().unwrap_or(1);
-    let mut chosen: Vec<(f64, Pole)> = Vec::new();
-    for candidate in found.into_iter().filter(|candidate| candidate.0 >= least) {
-        let stands_out = chosen.iter().all(|stronger| {
-            let distance = candidate.1.angular - stronger.1.angular;
-            let width = (stronger.1.decay + candidate.1.decay).max(PI / length as f64);
-            let skirt = stronger.0 * width * width / (width * width + distance * distance);
-            candidate.0 > OVER_SKIRT * skirt
-        });
-        if stands_out && chosen.len() < most {
-            chosen.push(candidate);
-        }
-    }
-    chosen.into_iter().map(|(_, pole)| pole).collect()
+    standing_out(found, threshold, most, length).into_iter().map(|candidate| candidate.pole).collect()
 }
 
 /// Frequencies at which one more mode of a decay explains most energy of all stretches.
@@ -243,17 +215,7 @@ fn peaks(residuals: &[Vec<f64>], decay: f64) -> Vec<(f64, f64)> {
         }
     }
     power.iter_mut().zip(&largest).for_each(|(sum, largest)| *sum -= largest.iter().sum::<f64>());
-    let mut peaks = Vec::new();
-    for (before, three) in power.windows(3).enumerate() {
-        let [left, power, right] = [three[0], three[1], three[2]];
-        if power < left || power <= right {
-            continue;
-        }
-        let bend = left - 2.0 * power + right;
-        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-        peaks.push((PI * (before as f64 + 1.0 + offset) / (size / 2) as f64, power));
-    }
-    peaks
+    parabola::peaks(&power).map(|(place, power)| (PI * place / (size / 2) as f64, power)).collect()
 }
 
 /// The model without poles that have left the search's range or explain too little.

@@ -1,4 +1,4 @@
-//! What rings at a moment, and its derivatives by all parameters.
+//! Amplitudes of all modes at a moment, and their derivatives by all parameters.
 
 use std::collections::VecDeque;
 

@@ -13,8 +13,10 @@ use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::contact::{Contact, strength};
+use super::free::search_range;
 use super::model::{Model, segments};
-use crate::modes::{NoiseFloor, Pole, Settings};
+use crate::modes::{Candidate, NoiseFloor, Pole, Settings, standing_out};
+use crate::parabola;
 
 type C64 = Complex<f64>;
 
@@ -24,11 +26,6 @@ const MOST_STRETCHES: usize = 24;
 const LONGEST_S: f64 = 1.5;
 /// Samples behind a contact that are left out.
 const BEHIND: usize = 4;
-/// Largest ratio of significance to the strongest candidate (20 dB) in one pass.
-const IN_ONE_PASS: f64 = 100.0;
-/// Factor by which a candidate has to exceed the skirt of a stronger one.
-const OVER_SKIRT: f64 = 8.0;
-
 /// Stretch behind a strike, and the strike's contact.
 type Behind = (Contact, Range<usize>);
 
@@ -48,32 +45,15 @@ pub(crate) fn tied_modes(model: &Model, residual: &[f64], rate_hz: f64, settings
     let Some(length) = behind.iter().map(|(_, stretch)| stretch.len()).max() else { return Vec::new() };
     let noise: Vec<f64> = behind.iter().flat_map(|(_, stretch)| residual[stretch.clone()].iter().copied()).collect();
     let noise = NoiseFloor::of_residual(&noise);
-    let (slowest, fastest) = (0.5 / length as f64, (settings.fastest_decay_per_s / rate_hz).min(0.3));
-    let decays: Vec<f64> = std::iter::successors(Some(slowest), |decay| Some(decay * 2.0))
-        .take_while(|decay| *decay < 2.0 * fastest)
-        .collect();
-    let (lowest, highest) = (2.0 * PI * settings.lowest_hz / rate_hz, PI * 0.98);
+    let range = search_range(length, rate_hz, settings);
     let threshold = 4.0 * (residual.len() as f64).ln();
-    let mut found: Vec<(f64, Pole)> = decays
-        .iter()
-        .flat_map(|&decay| peaks(&behind, residual, decay))
-        .map(|(energy, pole)| (energy / noise.variance(pole.angular), pole))
-        .filter(|(significance, pole)| *significance > threshold && (lowest..highest).contains(&pole.angular))
+    let found: Vec<Candidate> = (range.decays())
+        .flat_map(|decay| peaks(&behind, residual, decay))
+        .map(|(energy, pole)| Candidate { pole, significance: energy / noise.variance(pole.angular) })
+        .filter(|candidate| candidate.significance > threshold && range.holds(candidate.pole.angular))
         .collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let least = found.first().map_or(threshold, |best| threshold.max(best.0 / IN_ONE_PASS));
-    let mut chosen: Vec<(f64, Pole)> = Vec::new();
-    for candidate in found.into_iter().filter(|candidate| candidate.0 >= least) {
-        let stands_out = chosen.iter().all(|stronger| {
-            let distance = candidate.1.angular - stronger.1.angular;
-            let width = (stronger.1.decay + candidate.1.decay).max(PI / length as f64);
-            candidate.0 > OVER_SKIRT * stronger.0 * width * width / (width * width + distance * distance)
-        });
-        if stands_out && chosen.len() < settings.most_modes {
-            chosen.push(candidate);
-        }
-    }
-    chosen.into_iter().map(|(_, pole)| pole).collect()
+    let chosen = standing_out(found, threshold, settings.most_modes, length);
+    chosen.into_iter().map(|candidate| candidate.pole).collect()
 }
 
 /// Frequencies at which one more mode of a decay explains most energy, with that energy.
@@ -110,15 +90,5 @@ fn peaks(behind: &[Behind], residual: &[f64], decay: f64) -> Vec<(f64, Pole)> {
     }
     let power: Vec<f64> =
         along.iter().zip(&sizes).map(|(along, size)| 2.0 * along.norm_sqr() / size.max(1e-300)).collect();
-    let mut peaks = Vec::new();
-    for (before, three) in power.windows(3).enumerate() {
-        let [left, here, right] = [three[0], three[1], three[2]];
-        if here < left || here <= right {
-            continue;
-        }
-        let bend = left - 2.0 * here + right;
-        let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-        peaks.push((here, Pole { decay, angular: bin * (before as f64 + 1.0 + offset) }));
-    }
-    peaks
+    parabola::peaks(&power).map(|(place, power)| (power, Pole { decay, angular: bin * place })).collect()
 }
