@@ -169,7 +169,6 @@ impl<'m> ActiveContacts<'m> {
     }
 
     /// Number of frames with force within a run, added up over the contacts of a pad.
-    #[inline(always)]
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.map(|contact| contact.frames_left().min(frames)).sum()

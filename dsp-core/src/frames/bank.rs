@@ -104,7 +104,6 @@ impl FrameBank<'_> {
     }
 
     /// Number of modes that a run takes: all while the head sounds, else those that ring.
-    #[inline(always)]
     pub fn running_modes(&self) -> u32 {
         u32::from(if self.is_head_active() { self.mode_count } else { self.ringing })
     }
@@ -144,7 +143,6 @@ impl FrameBank<'_> {
     }
 
     /// True if the bank sounds or will.
-    #[inline(always)]
     pub fn is_active(&self) -> bool {
         self.ringing > 0 || self.is_head_active()
     }

@@ -72,7 +72,6 @@ impl Voice<'_, '_> {
     }
 
     /// True if a force acts at the position of slot 1 of an object in frames.
-    #[inline(always)]
     pub(super) fn has_second_in_frames(&self, direct: Option<&[i32]>, contacts: &ActiveContacts<'_>) -> bool {
         self.frames.as_deref().is_some_and(FrameBank::has_positions)
             && (contacts.is_any_in(self.number, 1) || direct.is_some() && self.direct_slot() == 1)

@@ -317,7 +317,6 @@ pub enum Ran {
 
 /// Adds the forces of all contacts and a direct one, for a pad without strikers' banks and without
 /// a force in slot 1.
-#[inline(always)]
 pub(super) fn take_force(number: u8, direct: Option<&[i32]>, contacts: &mut ActiveContacts<'_>, force: &mut [i32]) {
     direct.into_iter().for_each(|direct| add(force, direct));
     contacts.add_force_of_pad(number, force);

@@ -225,7 +225,6 @@ impl Voice<'_, '_> {
     }
 
     /// True if a choke or a release has not reached all modes yet.
-    #[inline(always)]
     pub fn is_being_reached(&self) -> bool {
         self.banks.iter().any(Bank::is_being_reached) || self.frames.as_deref().is_some_and(FrameBank::is_hand_moving)
     }
@@ -283,7 +282,6 @@ impl Voice<'_, '_> {
     }
 
     /// True if a force would be heard: not all groups are shed, or there is an acceleration sound.
-    #[inline(always)]
     pub fn responds(&self) -> bool {
         self.acceleration.is_built() || self.banks.iter().any(Bank::has_admitted)
     }

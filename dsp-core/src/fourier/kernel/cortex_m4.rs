@@ -16,7 +16,6 @@ unsafe extern "C" {
 /// Computes butterflies of a pass as [`super::portable::pass`] does.
 ///
 /// Cost, counted from the code: 66 cycles a butterfly, 13 a block.
-#[inline(always)]
 pub(in super::super) fn pass(data: &mut [Complex], factors: &[Factors], first: usize, count: usize) {
     let row = factors.len();
     if row == 0 || count == 0 || !data.len().is_multiple_of(4 * row) || first + count > data.len() / 4 {

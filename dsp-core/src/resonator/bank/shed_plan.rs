@@ -78,8 +78,8 @@ impl<'l> ShedPlan<'l> {
     }
 
     /// Number of the quietest groups that must go to free `excess` cycles. The loudest one stays,
-    /// even if its cycles are missing: they are less than a tick keeps free, and without it a
-    /// strike would be silent.
+    /// even if its cycles are missing, because a strike without it would be silent. A tick keeps
+    /// time free that they come from (`cargo test -p virtual-board --test boards load`).
     pub fn quietest_that_free(&self, excess: u32) -> u16 {
         let (mut total, mut chosen) = (0, 0u16);
         for (&cycles, &groups, _) in self.occupied() {
