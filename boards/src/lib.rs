@@ -56,8 +56,8 @@ pub trait Board {
     /// With these no half of the DMA buffer is late when all piezos are struck at once (`cargo test
     /// -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;
-    /// Most cycles that a tick with a strike takes on pads in frames, and on the loops of the modes'
-    /// kernels, in percent of their nominal ones: with the cycle model's worst case, the waits of
+    /// Most cycles that a tick with a strike takes on pads in frames, and on the loops of the
+    /// modes' kernels, in percent of their nominal ones: with the cycle model's worst case, the waits of
     /// flash, and the program round the engine (`cargo test -p virtual-board --test boards frames
     /// -- --nocapture`).
     const FRAME_WORST_PERCENT: u32;

@@ -130,9 +130,8 @@ impl Tally {
         );
     }
 
-    fn print(&self, name: &str) {
+    fn print(&self) {
         let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
-        println!("{name}");
         println!(
             "strikes found {:.1} %, false {:.1} %; heard modes found {:.1} % of {}, {:.2} reported for each true one",
             percent(self.found, self.strikes),
@@ -170,6 +169,7 @@ fn main() {
 /// Fits a set of sounds, and prints the errors.
 fn measure(name: &str, seeds: std::ops::Range<u64>, sound: impl Fn(u64) -> StruckOften) {
     let mut tally = Tally::default();
+    let (sets, mut fits) = (seeds.clone().count(), 0);
     for seed in seeds {
         let sound = sound(seed);
         let start = Instant::now();
@@ -185,10 +185,14 @@ fn measure(name: &str, seeds: std::ops::Range<u64>, sound: impl Fn(u64) -> Struc
                     fitted.left_dbfs - 20.0 * sound.noise_rms.log10()
                 );
                 tally.add(&sound, &fitted, &bounds, seconds);
+                fits += 1;
             }
             (Err(error), _) => println!("seed {seed}: {error}"),
             (_, None) => println!("seed {seed}: two modes cannot be told apart"),
         }
     }
-    tally.print(name);
+    println!("{name}: {fits} of {sets} sets fitted; the others count nowhere below");
+    if fits > 0 {
+        tally.print();
+    }
 }
