@@ -57,9 +57,10 @@ pub trait Board {
     /// -p virtual-board --test boards stages`).
     const STAGE_CYCLES: u32;
     /// Most cycles that a tick with a strike takes on pads in frames, and on the loops of the
-    /// modes' kernels, in percent of their nominal ones: with the cycle model's worst case, the waits of
-    /// flash, and the program round the engine (`cargo test -p virtual-board --test boards frames
-    /// -- --nocapture`).
+    /// modes' kernels, in percent of their nominal ones.
+    ///
+    /// It covers the cycle model's worst case, the waits of flash, and the program round the engine
+    /// (`cargo test -p virtual-board --test boards frames -- --nocapture`).
     const FRAME_WORST_PERCENT: u32;
     /// Cycles a frame that pads in frames may take: the time to the deadline, less that of the
     /// inputs, divided by [`FRAME_WORST_PERCENT`](Self::FRAME_WORST_PERCENT).

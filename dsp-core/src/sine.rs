@@ -1,9 +1,9 @@
 //! Sine, cosine and tangent in `f64`, in an eighth of the code of the general ones.
 //!
 //! An angle is split into the nearest whole number of quarter turns and a rest between -π/4 and
-//! π/4. Sine and cosine of the rest are Taylor series of nine terms. The error is below 5e-16 for angles
-//! of up to a million radians, and below 5e-16 of the value between -π/4 and π/4. The bits are the
-//! same on every machine.
+//! π/4. Sine and cosine of the rest are Taylor series of nine terms. The error is below 5e-16 for
+//! angles of up to a million radians, and below 5e-16 of the value between -π/4 and π/4. The bits
+//! are the same on every machine.
 
 /// Quarter turns in a radian.
 const QUARTERS: f64 = core::f64::consts::FRAC_2_PI;
