@@ -28,7 +28,7 @@ impl Board for BlackpillF411 {
     const RATE: (u32, u32) = (48_000, 1);
     const CORE_HZ: u32 = 96_000_000;
     /// Less than a half of the DMA buffer, of which a tick with a strike takes most at 96 MHz.
-    const LEAD_FRAMES: usize = 28;
+    const LEAD_FRAMES: usize = 30;
     const INPUT_CYCLES: u32 = 11_000;
     const WORST_PERCENT: u32 = 180;
     const FRAME_WORST_PERCENT: u32 = 124;

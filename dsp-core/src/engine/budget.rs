@@ -131,25 +131,21 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Counts of an event.
-    pub(super) fn event_counts(&self, event: &Event) -> [(CostItem, u32); 4] {
+    pub(super) fn event_counts(&self, event: &Event) -> [(CostItem, u32); 5] {
         let nothing = (CostItem::Choke, 0);
         match event.action {
             Action::Strike => {
                 let filters = (CostItem::ResidualCycle, self.filter_strike_cycles(event.pad));
                 let noise = (CostItem::ResidualStrike, u32::from(self.has_noise(event.pad)));
-                [
-                    (CostItem::Strike, 1),
-                    noise,
-                    filters,
-                    (CostItem::MovedMode, self.moved_modes(event.pad, event.position)),
-                ]
+                let [modes, groups] = self.moved(event.pad, event.position).counts();
+                [(CostItem::Strike, 1), noise, filters, modes, groups]
             }
             Action::Shed(_) => {
                 let [survey, groups] = self.survey_counts();
-                [survey, groups, nothing, nothing]
+                [survey, groups, nothing, nothing, nothing]
             }
             // Counted at the tick at which they act.
-            Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 4],
+            Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 5],
         }
     }
 

@@ -44,6 +44,8 @@ pub enum CostItem {
     ChokedMode,
     /// Mode whose gains are derived for a strike at another position.
     MovedMode,
+    /// Register group of such modes.
+    MovedGroup,
     /// Frame of a register group under a force in the second slot of its pad, beside its kernel's
     /// cycles.
     SecondFrame,
@@ -98,7 +100,8 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::Strike, 2900),
     (CostItem::Choke, 640),
     (CostItem::ChokedMode, 60),
-    (CostItem::MovedMode, 1300),
+    (CostItem::MovedMode, 880),
+    (CostItem::MovedGroup, 1000),
     (CostItem::SecondFrame, 205),
     (CostItem::OnsetFrame, 32),
     (CostItem::Survey, 4900),

@@ -1,29 +1,17 @@
 //! Loading of the pads' modes: each pad's form, its memory and its banks.
 
-use super::cost::CostItem;
 use super::error::LoadError;
+use super::moving::Moved;
 use super::setup::{Fitting, Skipping};
 use super::stage::Stage;
 use super::state::Engine;
 use crate::frames::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameMixer};
 use crate::memory::{Memory, Region};
 use crate::room::Sample;
-use crate::table::Kit;
 use crate::voice::{Form, PadTables, Voice, VoiceSize};
 
 /// Maximum number of pads: events name them by a byte.
 const PADS: usize = 1 << u8::BITS;
-
-/// Number of modes that take as long to move as a head between two others in frames.
-pub(super) const HEAD_MODES: u32 = 8;
-
-/// Returns the nominal cycles of moving a pad to another position; 0 if its object has only one.
-fn moving_cycles(kit: &Kit<'_>, number: u8, form: Form) -> u32 {
-    let pad = kit.pads().nth(usize::from(number));
-    let object = pad.and_then(|pad| kit.object_of(pad)).filter(|object| object.position_count() > 1);
-    let modes = object.map_or(0, |object| if form == Form::Frames { HEAD_MODES } else { object.modes().len() as u32 });
-    modes * CostItem::MovedMode.cycles()
-}
 
 impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     #[inline(never)] // keeps its stack apart from that of the stages that follow
@@ -56,7 +44,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                     self.has_mixer = true;
                 }
             }
-            let cycles = moving_cycles(&kit, number, form);
+            let has_positions = tables.object().position_count() > 1;
+            let cycles = if has_positions { Moved::of_size(&size).cycles() } else { 0 };
             let left = position_cycles.filter(|&left| cycles > left);
             if let Some(left) = left {
                 fitting.leave_out(LoadError::TooDear { stage: Stage::Positions(number), cycles, left })?;

@@ -1,28 +1,64 @@
 //! Cost of strikes whose pad has to move to their position.
 
 use super::cost::CostItem;
-use super::load_modes::HEAD_MODES;
 use super::state::Engine;
 use crate::frames::InFrames;
 use crate::room::Sample;
+use crate::voice::VoiceSize;
+
+/// Number of modes that take as long to move as a head between two others in frames.
+const HEAD_MODES: u32 = 12;
+
+/// Modes and register groups whose gains a strike derives anew.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moved {
+    modes: u32,
+    groups: u32,
+}
+
+impl Moved {
+    /// A head between two others.
+    const HEAD: Self = Self { modes: HEAD_MODES, groups: 0 };
+
+    /// What moves of a pad of a size that has several positions.
+    pub(super) fn of_size(size: &VoiceSize) -> Self {
+        if size.is_in_frames() {
+            return Self::HEAD;
+        }
+        size.banks().first().map_or(Self::default(), |object| Self {
+            modes: object.modes as u32, // banks count in 16 bits
+            groups: object.groups as u32,
+        })
+    }
+
+    pub(super) fn counts(self) -> [(CostItem, u32); 2] {
+        [(CostItem::MovedMode, self.modes), (CostItem::MovedGroup, self.groups)]
+    }
+
+    pub(super) fn cycles(self) -> u32 {
+        self.counts().iter().map(|(item, count)| item.cycles() * count).sum()
+    }
+}
 
 impl<S: Sample> Engine<'_, '_, S> {
     /// Time in which a strike of a pad would move the pad to its position, as the number of strikes
     /// that take as long, rounded up; 0 if the pad has one position, or is there. NaN is a position
     /// where no pad is.
     pub fn moving_strikes(&self, pad: u8, position: f32) -> u32 {
-        (self.moved_modes(pad, position) * CostItem::MovedMode.cycles()).div_ceil(CostItem::Strike.cycles())
+        self.moved(pad, position).cycles().div_ceil(CostItem::Strike.cycles())
     }
 
-    /// Number of modes whose gains a strike derives anew.
-    pub(super) fn moved_modes(&self, pad: u8, position: f32) -> u32 {
-        let Some(voice) = self.voices.get(usize::from(pad)) else { return 0 };
+    /// What a strike of a pad at a position derives anew.
+    pub(super) fn moved(&self, pad: u8, position: f32) -> Moved {
+        let Some(voice) = self.voices.get(usize::from(pad)) else { return Moved::default() };
         let place = voice.place_of(position, |slot| self.contacts.is_any_in(pad, slot));
         match (place.moves, voice.frames()) {
-            (false, _) => 0,
-            // A head between two others takes as long as the gains of eight modes.
-            (true, Some(_)) => HEAD_MODES,
-            (true, None) => voice.banks().first().map_or(0, |object| object.mode_count() as u32),
+            (false, _) => Moved::default(),
+            (true, Some(_)) => Moved::HEAD,
+            (true, None) => voice.banks().first().map_or(Moved::default(), |object| Moved {
+                modes: object.mode_count() as u32,
+                groups: object.group_count(),
+            }),
         }
     }
 }

@@ -36,8 +36,9 @@ pub struct Setup {
     /// they have [`FEWEST_MODES`](crate::frames::FEWEST_MODES) together.
     pub frame_cycles: Option<u32>,
     /// Most nominal cycles that a strike may spend on moving to another position
-    /// ([`CostItem::MovedMode`](super::CostItem::MovedMode) a mode); pads that need more are struck
-    /// at position 0. `None` means no limit.
+    /// ([`CostItem::MovedMode`](super::CostItem::MovedMode) a mode,
+    /// [`CostItem::MovedGroup`](super::CostItem::MovedGroup) a group); pads that need more are
+    /// struck at position 0. `None` means no limit.
     pub position_cycles: Option<u32>,
     /// Most cycles that frames take, in percent of their nominal ones: what they leave of
     /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.

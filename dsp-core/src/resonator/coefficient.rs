@@ -105,19 +105,13 @@ impl Pole {
     /// the e² of the form (`4 - 2δ - e²` if the mode is mirrored). From the quantised coefficients;
     /// relative error 1e-6.
     pub fn sums(self) -> (f32, f32) {
-        let Turn { delta, e_squared, gap_cosine, radius_sine, .. } = Turn::new(self.form, self.coefficients);
-        let (gap_cosine, distance) = match self.mirrored {
-            false => (gap_cosine, e_squared),
-            true => (2.0 - gap_cosine, 4.0 - 2.0 * delta - e_squared),
-        };
-        // The lowest mode that a kit may have, 0.1 Hz, has e² = 1e-11 at 192 kHz.
-        let unit = 1.0 / distance.max(f32::MIN_POSITIVE);
-        (radius_sine * unit, gap_cosine * unit)
+        Turn::new(self.form, self.coefficients).sums(self.mirrored)
     }
 }
 
 /// Geometry of a pole after quantisation.
-struct Turn {
+pub(super) struct Turn {
+    form: Form,
     delta: f32,
     e: f32,
     e_squared: f32,
@@ -128,7 +122,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn new(form: Form, coefficients: Coefficients) -> Self {
+    pub(super) fn new(form: Form, coefficients: Coefficients) -> Self {
         let (delta, e, e_squared) = steps(form, coefficients);
         // r² sin²θ = e² - ((δ + e²)/2)², factored so that low frequencies keep their precision.
         let half = (delta + e_squared) / 2.0;
@@ -137,7 +131,28 @@ impl Turn {
             _ => e - half,
         };
         let radius_sine = rounded_root((difference * (e + half)).max(f32::MIN_POSITIVE));
-        Self { delta, e, e_squared, gap_cosine: half, radius_sine }
+        Self { form, delta, e, e_squared, gap_cosine: half, radius_sine }
+    }
+
+    /// [`Pole::sums`] of the pole.
+    pub(super) fn sums(&self, mirrored: bool) -> (f32, f32) {
+        let (gap_cosine, distance) = match mirrored {
+            false => (self.gap_cosine, self.e_squared),
+            true => (2.0 - self.gap_cosine, 4.0 - 2.0 * self.delta - self.e_squared),
+        };
+        // The lowest mode that a kit may have, 0.1 Hz, has e² = 1e-11 at 192 kHz.
+        let unit = 1.0 / distance.max(f32::MIN_POSITIVE);
+        (self.radius_sine * unit, gap_cosine * unit)
+    }
+
+    /// Orbit of the pole. Relative error 1e-6.
+    pub(super) fn orbit(&self) -> Orbit {
+        let unit = match self.form {
+            Form::Coupled => 1.0 / (self.e * (1.0 - self.delta)),
+            form => 1.0 / ((1u32 << form.shift()) as f32 * (1.0 - self.delta)),
+        };
+        let cosine_to_u = (self.e_squared - self.delta) / 2.0 * unit;
+        Orbit { sine_to_u: self.radius_sine * unit, cosine_to_u }
     }
 }
 
@@ -157,12 +172,7 @@ pub struct Orbit {
 impl Orbit {
     /// Derives the orbit of quantised coefficients. Relative error 1e-6.
     pub fn new(form: Form, coefficients: Coefficients) -> Self {
-        let Turn { delta, e, e_squared, radius_sine, .. } = Turn::new(form, coefficients);
-        let unit = match form {
-            Form::Coupled => 1.0 / (e * (1.0 - delta)),
-            _ => 1.0 / ((1u32 << form.shift()) as f32 * (1.0 - delta)),
-        };
-        Self { sine_to_u: radius_sine * unit, cosine_to_u: (e_squared - delta) / 2.0 * unit }
+        Turn::new(form, coefficients).orbit()
     }
 
     /// State (u, v) that rings as `sine · sin nθ + cosine · cos nθ`.

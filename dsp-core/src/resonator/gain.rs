@@ -1,8 +1,7 @@
 //! From a table's gains to the injections of a force into the states.
 
-use super::coefficient::{Coefficients, Orbit, Pole};
-use super::group::{Group, MAX_GAIN_EXPONENT};
-use super::mode::Mode;
+use super::coefficient::{Pole, Turn};
+use super::group::MAX_GAIN_EXPONENT;
 use super::table::{BankError, BankTable};
 use crate::SampleRate;
 use crate::fixed::Scale;
@@ -37,53 +36,53 @@ pub(super) fn check_gains(table: &BankTable<'_>, rate: SampleRate) -> Result<(),
     if gain < MAX_GAIN { Ok(()) } else { Err(BankError::GainTooLarge) }
 }
 
-/// Law of a table's gains at a position, by mode, in bus steps of state a bus step of force and
-/// sample.
-pub(super) fn gain_law<'a>(
-    table: &'a BankTable<'_>,
-    rate: SampleRate,
+/// Gains of a table at a position, as a bank plays them.
+pub(super) struct GainLaw<'a> {
+    table: &'a BankTable<'a>,
+    /// Bus steps of state a bus step of force and sample, for a gain of 1.
+    scale: f32,
     position: f32,
-) -> impl Fn(Option<usize>) -> (f32, f32) + use<'a> {
-    let scale = (table.weight / rate.hz()) as f32;
-    let (gains, positions) = (table.gains, table.positions);
-    move |index| {
-        let (sine, cosine) = index.map_or((0.0, 0.0), |index| gain_at(gains, positions, index, position));
-        (sine * scale, cosine * scale)
-    }
 }
 
-/// Turns phase gains into injections of a group's form: `gain` gives a mode's (sine, cosine),
-/// `pole` its coefficients without a hand.
-pub(super) fn orbit_gains<G: Fn(usize) -> (f32, f32), P: Fn(usize, &Mode) -> Coefficients>(
-    group: &Group,
-    gain: G,
-    pole: P,
-) -> impl Fn(usize, &Mode) -> (f32, f32) + use<G, P> {
-    let (form, mirrored) = (group.form(), group.mirrored());
-    move |slot, mode| {
-        let (sine, cosine) = gain(slot);
+/// Gains of one mode at a position.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ModeGain {
+    /// Injection into u and v, in bus steps of state a bus step of force.
+    pub(super) injection: (f32, f32),
+    /// Part of the mode's response that the force itself takes away, times the rate. It is half of
+    /// `h[0]`, or with [`BankTable::is_balanced`] the whole static response, so that a constant
+    /// force is not heard ([`crate::radiation`]).
+    pub(super) taken: f32,
+}
+
+impl<'a> GainLaw<'a> {
+    pub(super) fn new(table: &'a BankTable<'a>, rate: SampleRate, position: f32) -> Self {
+        // Single precision suffices: a strike at another position derives its gains while sound
+        // plays.
+        Self { table, scale: table.weight as f32 / rate.hz_f32(), position }
+    }
+
+    /// Gains of the table's mode `index`, of which `pole` is the pole without a hand.
+    pub(super) fn of(&self, pole: Pole, index: usize) -> ModeGain {
+        let (sine, cosine) = gain_at(self.table.gains, self.table.positions, index, self.position);
+        let turn = Turn::new(pole.form, pole.coefficients);
+        let taken = match self.table.is_balanced {
+            false => cosine / 2.0,
+            // The sum over all n counts half of h[0] too much: just the half that an unbalanced
+            // bank takes away.
+            true => {
+                let (of_sine, of_cosine) = turn.sums(pole.mirrored);
+                sine * of_sine + cosine * of_cosine
+            }
+        };
+        let (sine, cosine) = (sine * self.scale, cosine * self.scale);
         // sin n(π - θ') = -(-1)^n sin nθ'
-        let sine = if mirrored { -sine } else { sine };
-        Orbit::new(form, pole(slot, mode)).state(sine, cosine)
+        let sine = if pole.mirrored { -sine } else { sine };
+        ModeGain { injection: turn.orbit().state(sine, cosine), taken }
     }
-}
 
-/// Part of a mode's response at a position that the force itself takes away, times the rate. It is
-/// half of `h[0]`, or with [`BankTable::is_balanced`] the whole static response, so that a constant
-/// force is not heard ([`crate::radiation`]).
-pub(super) fn taken_at_once(table: &BankTable<'_>, pole: Pole, index: usize, position: f32) -> f64 {
-    let (sine, cosine) = gain_at(table.gains, table.positions, index, position);
-    if !table.is_balanced {
-        return f64::from(cosine) / 2.0;
+    /// Factor of the force for a sum of [`ModeGain::taken`].
+    pub(super) fn onset(&self, taken: f32) -> Scale {
+        Scale::new(f64::from(-taken * self.scale))
     }
-    // The sum over all n counts half of h[0] too much: just the half that an unbalanced bank takes
-    // away. Single precision suffices, as for the injections: a strike at another position derives
-    // it while sound plays.
-    let (of_sine, of_cosine) = pole.sums();
-    f64::from(sine * of_sine + cosine * of_cosine)
-}
-
-/// Factor of the force for a sum of [`taken_at_once`].
-pub(super) fn onset(taken: f64, table: &BankTable<'_>, rate: SampleRate) -> Scale {
-    Scale::new(-taken * table.weight / rate.hz())
 }

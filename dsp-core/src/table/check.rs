@@ -7,7 +7,7 @@ use super::layout::{GainRecord, ModeRecord};
 use super::place::{Field, Place};
 use super::range::{self, Range};
 
-pub(super) type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a str, &'a str);
+pub(super) type BankView<'a> = (&'a [ModeRecord], &'a [GainRecord], &'a [u8], &'a [u8]);
 
 /// Modes, gains, source and licence behind a section's head. The section must be exactly as long as
 /// its head says.
@@ -38,8 +38,16 @@ pub(super) fn read_bank<'a>(
     if padding.iter().any(|&byte| byte != 0) {
         return Err(TableError::NotZero { place, field: Field::Padding });
     }
-    let text = |bytes| core::str::from_utf8(bytes).map_err(|_| TableError::BadText { place });
-    Ok((modes, gains, text(source)?, text(licence)?))
+    Ok((modes, gains, source, licence))
+}
+
+/// Text of a source or licence; empty if it is not UTF-8.
+pub(super) fn text_str(text: &[u8]) -> &str {
+    core::str::from_utf8(text).unwrap_or("")
+}
+
+pub(super) fn check_text(text: &[u8], place: Place) -> Result<(), TableError> {
+    core::str::from_utf8(text).map(|_| ()).map_err(|_| TableError::BadText { place })
 }
 
 pub(super) fn check_bank(

@@ -93,7 +93,9 @@ impl<'a> Kit<'a> {
 
     /// Object that a pad of this kit plays. `None` can only come of a pad of another kit.
     pub fn object_of(&self, pad: Pad<'_>) -> Option<Object<'a>> {
-        self.objects().nth(pad.object_index())
+        // Only this object is read: a strike at another position looks it up while sound plays.
+        let body = sections(self.directory, self.bytes, tag::OBJECT).nth(pad.object_index())?;
+        Object::read(body, 0).ok()
     }
 
     /// Strikers of a pad, the default one first.

@@ -1,6 +1,6 @@
 //! The `OBJT` sections: objects to strike.
 
-use super::check::{check_bank, check_count, check_name, check_range, name_str, read_bank};
+use super::check::{check_bank, check_count, check_name, check_range, check_text, name_str, read_bank, text_str};
 use super::error::TableError;
 use super::frame::head;
 use super::layout::{GainRecord, ModeRecord, ObjectHeader};
@@ -13,8 +13,8 @@ pub struct Object<'a> {
     header: &'a ObjectHeader,
     modes: &'a [ModeRecord],
     gains: &'a [GainRecord],
-    source: &'a str,
-    licence: &'a str,
+    source: &'a [u8],
+    licence: &'a [u8],
 }
 
 impl<'a> Object<'a> {
@@ -33,6 +33,7 @@ impl<'a> Object<'a> {
     pub(super) fn check(&self, index: usize) -> Result<(), TableError> {
         let place = Place::Object(index);
         check_name(&self.header.name, place)?;
+        [self.source, self.licence].iter().try_for_each(|text| check_text(text, place))?;
         check_range(place, Field::ReferenceForce, self.reference_force(), range::REFERENCE_FORCE)?;
         check_range(place, Field::Acceleration, self.acceleration(), range::ACCELERATION)?;
         check_bank(self.modes, self.gains, self.position_count(), |mode| Place::ObjectMode(index, mode))
@@ -72,11 +73,11 @@ impl<'a> Object<'a> {
 
     /// Source of the numbers, as text.
     pub fn source(&self) -> &'a str {
-        self.source
+        text_str(self.source)
     }
 
     /// Licence of the numbers, as text.
     pub fn licence(&self) -> &'a str {
-        self.licence
+        text_str(self.licence)
     }
 }

@@ -4,7 +4,7 @@
 use zerocopy::FromBytes;
 use zerocopy::byteorder::little_endian::F32;
 
-use super::check::{check_bank, check_count, check_name, check_ranges, name_str, read_bank};
+use super::check::{check_bank, check_count, check_name, check_ranges, check_text, name_str, read_bank, text_str};
 use super::error::TableError;
 use super::frame::{head, optional_section, sections};
 use super::layout::{GainRecord, ModeRecord, SectionEntry, StrikerHeader, tag};
@@ -18,8 +18,8 @@ pub struct Striker<'a> {
     restitution: f32,
     modes: &'a [ModeRecord],
     gains: &'a [GainRecord],
-    source: &'a str,
-    licence: &'a str,
+    source: &'a [u8],
+    licence: &'a [u8],
 }
 
 /// Contact that a [`Striker`] makes at velocity `v`: peak force `m = m1 v^a`, contact time `τ = τ1
@@ -58,6 +58,7 @@ impl<'a> Striker<'a> {
     pub(super) fn check(&self, index: usize) -> Result<(), TableError> {
         let place = Place::Striker(index);
         check_name(&self.header.name, place)?;
+        [self.source, self.licence].iter().try_for_each(|text| check_text(text, place))?;
         check_count(place, Field::Pulse, self.header.pulse.get() as usize, 0, 1)?;
         let contact = self.contact();
         let ranges = const {
@@ -108,12 +109,12 @@ impl<'a> Striker<'a> {
 
     /// Source of the numbers, as text.
     pub fn source(&self) -> &'a str {
-        self.source
+        text_str(self.source)
     }
 
     /// Licence of the numbers, as text.
     pub fn licence(&self) -> &'a str {
-        self.licence
+        text_str(self.licence)
     }
 }
 

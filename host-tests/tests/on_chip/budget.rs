@@ -3,7 +3,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Skipping};
-use dsp_core::event::{Action, Event};
+use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use host_tests::lent;
@@ -174,4 +174,37 @@ fn strikes_anywhere_in_a_tick_sound_alike_on_the_chip_and_the_pc() {
     let again = replay(&scene.kit, &played.events, played.sound.len());
     let differs = again.iter().zip(&played.sound).position(|(again, sound)| again != sound);
     assert!(differs.is_none(), "frame {differs:?} differs");
+}
+
+/// Cycles of a tick with the second strike of a pad of the demo kit at a position, modelled and
+/// predicted. The first one is at position 0.
+fn second_strike(kit: &[u8], pad: u8, position: f32) -> (f64, f64) {
+    let mut chip = EngineOnChip::new().unwrap();
+    chip.load(kit, RATE).unwrap();
+    chip.set_budget(u32::MAX).unwrap();
+    let mut cost = (0.0, 0.0);
+    for (strike, position) in [(0, 0.0), (50, position)] {
+        for tick in strike..strike + 50 {
+            let time = Time::at_frame(tick * TICK_FRAMES as u64 + 3);
+            let event = Event { time, pad, velocity: 0.8, position, action: Action::Strike, ..Event::NOTHING };
+            let events = if tick == strike { vec![event] } else { vec![] };
+            let (_, call) = chip.render(&events, None, TICK_FRAMES).unwrap();
+            if tick == strike {
+                cost = (call.cost.nominal as f64, f64::from(chip.told().unwrap().predicted_cycles));
+            }
+        }
+    }
+    cost
+}
+
+#[test]
+fn a_move_to_another_position_is_predicted_within_five_percent_of_its_own_cycles() {
+    let demo = kit::open("demo").unwrap();
+    for name in ["marimba", "glockenspiel", "drum"] {
+        let pad = demo.kit.pads.iter().position(|pad| pad.name == name).unwrap() as u8;
+        let [stays, moves] = [0.0, 0.5].map(|position| second_strike(&demo.binary, pad, position));
+        let (modelled, predicted) = (moves.0 - stays.0, moves.1 - stays.1);
+        println!("{name}: a move takes {modelled} cycles, predicted {predicted}");
+        assert!((predicted / modelled - 1.0).abs() < 0.05, "{name}");
+    }
 }

@@ -41,7 +41,7 @@ fn no_half_is_missed_with_the_worst_cycles_and_the_waits_of_flash() {
 pub(crate) fn deadline(board: Board) -> f64 {
     let lead_frames = match board {
         Board::Stm32f407gDisc1 => 28.0,
-        Board::BlackpillF411 => 28.0,
+        Board::BlackpillF411 => 30.0,
     };
     lead_frames / 32.0
 }

@@ -1,6 +1,6 @@
 //! From a table to a bank.
 
-use super::super::gain::{check_gains, gain_law, onset, orbit_gains, taken_at_once};
+use super::super::gain::{GainLaw, check_gains};
 use super::super::group::{GROUP_MODES, Group};
 use super::super::mode::Mode;
 use super::super::order::{order_key, order_modes, pole_of, rendered};
@@ -70,6 +70,7 @@ impl<'m> Bank<'m> {
         order_modes(table, rate, self.modes)?;
         let mut taken = 0.0;
         let choke = Choke::new(table, rate);
+        let law = GainLaw::new(table, rate, 0.0);
         let mut start = 0;
         let mut group_slots = self.groups.iter_mut();
         while let Some(first) = self.modes.get(start) {
@@ -78,12 +79,14 @@ impl<'m> Bank<'m> {
             let count = same.take_while(|mode| order_key(mode) == key).count();
             let Some(group_slot) = group_slots.next() else { break };
             let group_modes = self.modes.get_mut(start..start + count).unwrap_or(&mut []);
-            let mut indices = [0usize; GROUP_MODES];
-            for (slot, (mode, index)) in group_modes.iter_mut().zip(&mut indices).enumerate() {
-                *index = mode.state.u as usize;
-                let Some(pole) = table.modes.get(*index).and_then(|record| pole_of(record, rate)) else { continue };
+            let mut injections = [(0.0, 0.0); GROUP_MODES];
+            for (slot, (mode, injection)) in group_modes.iter_mut().zip(&mut injections).enumerate() {
+                let index = mode.state.u as usize;
+                let Some(pole) = table.modes.get(index).and_then(|record| pole_of(record, rate)) else { continue };
                 *mode = Mode { coefficients: pole.coefficients, ..Mode::SILENT };
-                taken += taken_at_once(table, pole, *index, 0.0);
+                let gain = law.of(pole, index);
+                taken += gain.taken;
+                *injection = gain.injection;
                 if slot == 0 {
                     *group_slot = Group::new(pole.form, pole.mirrored, count as u8);
                     if !pole.mirrored {
@@ -92,12 +95,10 @@ impl<'m> Bank<'m> {
                     }
                 }
                 if let Some(origin) = self.origins.get_mut(start + slot) {
-                    *origin = choke.origin(&pole, *index as u16);
+                    *origin = choke.origin(&pole, index as u16);
                 }
             }
-            let gain = gain_law(table, rate, 0.0);
-            let gains = orbit_gains(group_slot, |slot| gain(indices.get(slot).copied()), |_, mode| mode.coefficients);
-            group_slot.set_gains(group_modes, gain_growth(table), gains);
+            group_slot.set_gains(group_modes, gain_growth(table), &injections);
             group_slot.schedule_guards(group_modes);
             start += count;
         }
@@ -105,7 +106,7 @@ impl<'m> Bank<'m> {
         self.second.has_positions = table.positions > 1;
         self.choke = choke.state(table, self.origins, self.modes);
         set_order(self.origins);
-        self.onset = onset(taken, table, rate);
+        self.onset = law.onset(taken);
         Ok(())
     }
 }

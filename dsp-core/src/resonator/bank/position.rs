@@ -11,12 +11,11 @@
 //! merged, the slot whose position is nearer.
 
 use super::super::coefficient::Pole;
-use super::super::gain::{gain_law, onset, orbit_gains, taken_at_once};
+use super::super::gain::GainLaw;
 use super::super::group::{GROUP_MODES, Group};
-use super::super::mode::{InputGain, Mode};
+use super::super::mode::InputGain;
 use super::super::table::BankTable;
 use super::choke::gain_growth;
-use super::origin::Origin;
 use super::slot::Place;
 use super::state::{Bank, for_each_group};
 use crate::SampleRate;
@@ -66,7 +65,8 @@ impl<'m> Bank<'m> {
     /// Moves a slot for the contacts that follow: gains are interpolated between the table's
     /// positions. [`Bank::expect`] must follow before any force.
     ///
-    /// It costs [`crate::engine::CostItem::MovedMode`] a mode.
+    /// It costs [`crate::engine::CostItem::MovedMode`] a mode and
+    /// [`crate::engine::CostItem::MovedGroup`] a group.
     pub fn set_position(&mut self, slot: u8, position: f32, table: &BankTable<'_>, rate: SampleRate) {
         if !self.second.has_positions || slot == 1 && !self.can_take_second() {
             return;
@@ -78,7 +78,7 @@ impl<'m> Bank<'m> {
             self.position = position;
         }
         let mut seconds = if self.second.is_set { &mut *self.second.gains } else { &mut [] };
-        let gain = gain_law(table, rate, position);
+        let law = GainLaw::new(table, rate, position);
         let growth = gain_growth(table);
         let (mut rest, mut taken) = (&*self.origins, 0.0);
         for_each_group(self.modes, self.groups, |group, modes| {
@@ -88,41 +88,34 @@ impl<'m> Bank<'m> {
             let count = modes.len().min(all.len());
             let (second, later) = all.split_at_mut_checked(count).unwrap_or((&mut [], &mut []));
             seconds = later;
-            let index = |slot: usize| origins.get(slot).map(Origin::index);
-            let pole = |slot: usize, mode: &Mode| {
-                origins.get(slot).map_or(mode.coefficients, |origin| origin.at_rest(mode.coefficients))
-            };
-            for (mode, origin) in modes.iter().zip(origins) {
+            let mut injections = [(0.0, 0.0); GROUP_MODES];
+            for ((injection, mode), origin) in injections.iter_mut().zip(&*modes).zip(origins) {
                 let coefficients = origin.at_rest(mode.coefficients);
                 let pole = Pole { form: group.form(), mirrored: group.mirrored(), coefficients };
-                taken += taken_at_once(table, pole, origin.index(), position);
+                let gain = law.of(pole, origin.index());
+                taken += gain.taken;
+                *injection = gain.injection;
             }
-            let derived = orbit_gains(group, |slot| gain(index(slot)), pole);
+            let scale = Group::gain_scale(group.form(), growth, &injections);
             let mut moved = [InputGain::default(); GROUP_MODES];
+            let moved = moved.get_mut(..modes.len()).unwrap_or(&mut []);
+            for (((gain, mode), origin), &injection) in moved.iter_mut().zip(&*modes).zip(origins).zip(&injections) {
+                *gain = scale.mantissas(injection);
+                gain.u = origin.held_gain(mode.coefficients, gain.u);
+            }
+            // Gains of the other slot stay; slot 1 has none before it is set.
             let mut kept = [InputGain::default(); GROUP_MODES];
-            let mut injections = [(0.0, 0.0); GROUP_MODES];
-            for (slot, (injection, mode)) in injections.iter_mut().zip(&*modes).enumerate() {
-                *injection = derived(slot, mode);
+            let kept = kept.get_mut(..second.len()).unwrap_or(&mut []);
+            match is_second {
+                true => kept.iter_mut().zip(&*modes).for_each(|(gain, mode)| *gain = mode.gain),
+                false => kept.iter_mut().zip(&*second).for_each(|(gain, second)| *gain = *second),
             }
-            let injected = |slot: usize| injections.get(slot).copied().unwrap_or((0.0, 0.0));
-            let scale = Group::gain_scale(group.form(), modes.len(), growth, injected);
-            for (slot, gain) in moved.iter_mut().enumerate().take(modes.len()) {
-                *gain = scale.mantissas(injected(slot));
-                if let (Some(mode), Some(origin)) = (modes.get(slot), origins.get(slot)) {
-                    gain.u = origin.held_gain(mode.coefficients, gain.u);
-                }
-            }
-            // Gains of the other slot, which stay; slot 1 has none before it is set.
-            for (slot, gain) in kept.iter_mut().enumerate().take(modes.len()) {
-                let other = if is_second { modes.get(slot).map(|mode| mode.gain) } else { second.get(slot).copied() };
-                *gain = other.unwrap_or_default();
-            }
-            group.share_gains(scale, &mut moved, &mut kept, growth);
+            group.share_gains(scale, moved, kept, growth);
             let (of_first, of_second) = if is_second { (kept, moved) } else { (moved, kept) };
-            modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = gain);
-            second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = gain);
+            modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = *gain);
+            second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = *gain);
         });
-        let onset = onset(taken, table, rate);
+        let onset = law.onset(taken);
         if is_second {
             self.second.onset = onset;
         } else {

@@ -143,40 +143,31 @@ impl Group {
         i32::from(self.exponent)
     }
 
-    /// Sets the input gains, in bus steps of state a bus step of force: `gains` gives (into u, into
-    /// v) for each mode, below 2^[`MAX_GAIN_EXPONENT`]. The mantissas may still grow by the factor
+    /// Sets the input gains from the modes' injections (into u, into v), in bus steps of state a
+    /// bus step of force, below 2^[`MAX_GAIN_EXPONENT`]. The mantissas may still grow by the factor
     /// `growth`, at most 2.
-    pub(super) fn set_gains(&mut self, modes: &mut [Mode], growth: f32, gains: impl Fn(usize, &Mode) -> (f32, f32)) {
-        let gain = |index: usize| modes.get(index).map_or((0.0, 0.0), |mode| gains(index, mode));
-        let scale = Self::gain_scale(self.form(), modes.len(), growth, gain);
-        let mut own = [InputGain::default(); GROUP_MODES];
-        own.iter_mut().enumerate().take(modes.len()).for_each(|(index, own)| *own = scale.mantissas(gain(index)));
-        self.share_gains(scale, &mut own, &mut [InputGain::default(); GROUP_MODES], growth);
-        modes.iter_mut().zip(own).for_each(|(mode, own)| mode.gain = own);
+    pub(super) fn set_gains(&mut self, modes: &mut [Mode], growth: f32, injections: &[(f32, f32)]) {
+        let scale = Self::gain_scale(self.form(), growth, injections);
+        for (mode, &injection) in modes.iter_mut().zip(injections) {
+            mode.gain = scale.mantissas(injection);
+        }
+        let mut gains = [InputGain::default(); GROUP_MODES];
+        gains.iter_mut().zip(&*modes).for_each(|(gain, mode)| *gain = mode.gain);
+        self.share_gains(scale, &mut gains, &mut [], growth);
+        modes.iter_mut().zip(gains).for_each(|(mode, gain)| mode.gain = gain);
     }
 
-    /// Scale on which the largest of `count` injections, times `growth`, is nearly 1.
-    pub(super) fn gain_scale(
-        form: Form,
-        count: usize,
-        growth: f32,
-        injection: impl Fn(usize) -> (f32, f32),
-    ) -> GainScale {
+    /// Scale on which the largest injection, times `growth`, is nearly 1.
+    pub(super) fn gain_scale(form: Form, growth: f32, injections: &[(f32, f32)]) -> GainScale {
         let weight = (1u32 << form.shift()) as f32;
-        let injections = (0..count).map(injection);
-        let peak = injections.fold(0.0f32, |peak, (u, v)| peak.max((u * weight).abs()).max(v.abs()));
+        let larger = |peak: f32, x: f32| if x > peak { x } else { peak };
+        let peak = injections.iter().fold(0.0, |peak, (u, v)| larger(larger(peak, (u * weight).abs()), v.abs()));
         GainScale { exponent: libm::frexpf(peak * growth).1 }
     }
 
     /// Brings `new` gains on a scale, and `kept` ones on the present scale, to one that holds both.
     /// Either may drive the group then.
-    pub(super) fn share_gains(
-        &mut self,
-        scale: GainScale,
-        new: &mut [InputGain; GROUP_MODES],
-        kept: &mut [InputGain; GROUP_MODES],
-        growth: f32,
-    ) {
+    pub(super) fn share_gains(&mut self, scale: GainScale, new: &mut [InputGain], kept: &mut [InputGain], growth: f32) {
         let form = self.form();
         let peak = |gains: &[InputGain]| gains.iter().map(|gain| size_of(form, gain.u, gain.v)).max().unwrap_or(0);
         let kept_peak = peak(kept);
@@ -317,8 +308,10 @@ impl GainScale {
 /// Shifts mantissas right by `bits`, or left if negative, for which the new exponent leaves
 /// headroom.
 fn shift_gains(gains: &mut [InputGain], bits: i32) {
+    if bits == 0 {
+        return;
+    }
     let shifted = |x: i32| match bits {
-        0 => x,
         1..=31 => fixed::rounding_shift_right(x, bits as u32),
         32.. => 0,
         _ => x.wrapping_shl(bits.unsigned_abs().min(31)),
