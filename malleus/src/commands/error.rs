@@ -72,6 +72,10 @@ pub(crate) enum CommandError {
         output.display()
     )]
     KitExists { output: PathBuf },
+    #[error(
+        "no table has a striker, so that nothing would strike its objects; give one that has, such as tables/strikers.toml"
+    )]
+    NoStriker,
     #[error("{file}: cannot be read: {error}")]
     Unreadable { file: String, error: io::Error },
     #[error("the log cannot be written: {error}")]

@@ -12,10 +12,13 @@ use super::kit_report::open;
 use super::output::{print, progress, refuse_input};
 use crate::arguments::Arguments;
 
+/// Maximum number of strikers of a pad.
+const STRIKERS_PER_PAD: usize = dsp_core::table::layout::STRIKERS_PER_PAD;
 /// Sample rate at which levels are measured.
 const RATE: SampleRate = SampleRate::HZ_48000;
 
-/// Writes a kit with one pad for each object of the tables, struck by the strikers of its table.
+/// Writes a kit with one pad for each object of the tables, struck by the strikers of its table, or
+/// by those of the tables together if it has none.
 ///
 /// Without `output`, the first of the paths is the kit to write.
 pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> Result<(), CommandError> {
@@ -59,7 +62,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     let mut notes = (first_note..=127).map(|note| vec![note]);
     for table in tables {
         let loaded = open(&table.display().to_string())?;
-        let strikers: Vec<String> = loaded.kit.strikers.iter().take(4).map(|striker| striker.name.clone()).collect();
+        let strikers = names(&loaded.kit.strikers);
         for object in &loaded.kit.objects {
             kit.pads.push(kit::Pad {
                 name: object.name.clone(),
@@ -87,7 +90,17 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         kit.objects.extend(loaded.kit.objects);
         kit.strikers.extend(loaded.kit.strikers);
     }
+    if kit.strikers.is_empty() && !kit.objects.is_empty() {
+        return Err(CommandError::NoStriker);
+    }
+    let all = names(&kit.strikers);
+    kit.pads.iter_mut().filter(|pad| pad.strikers.is_empty()).for_each(|pad| pad.strikers.clone_from(&all));
     Ok(kit)
+}
+
+/// Names of the first strikers, as many as a pad may have.
+fn names(strikers: &[kit::Striker]) -> Vec<String> {
+    strikers.iter().take(STRIKERS_PER_PAD).map(|striker| striker.name.clone()).collect()
 }
 
 /// Raises the reference force of objects whose hardest striker comes near the end of the force bus.

@@ -178,6 +178,22 @@ fn new_kit_peaks_at_minus_6_dbfs_at_velocity_1_in_both_renderers() {
 }
 
 #[test]
+fn new_kit_strikes_objects_without_strikers_by_those_of_other_tables() {
+    let (object, striker) = LOUD.split("[[pad]]").next().unwrap().split_once("[[striker]]").unwrap();
+    let folder = folder(LOUD);
+    fs::write(folder.path().join("bar.toml"), object).unwrap();
+    let head = object.split("[[object]]").next().unwrap();
+    fs::write(folder.path().join("strikers.toml"), format!("{head}[[striker]]{striker}")).unwrap();
+    stdout(folder.path(), "kit new bar.toml strikers.toml -o new.toml");
+    let kit = kit::load(&folder.path().join("new.toml")).unwrap().kit;
+    assert!(kit.pads.len() == 1 && kit.pads[0].strikers.len() == kit.strikers.len(), "{:?}", kit.pads[0]);
+
+    let refused = malleus(folder.path(), "kit new bar.toml -o none.toml");
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("no table has a striker") && !folder.path().join("none.toml").exists(), "{told}");
+}
+
+#[test]
 fn object_with_another_reference_force_sounds_as_before() {
     let filtered = LOUD.replace(
         "\n[[striker]]\nname = \"yarn",
