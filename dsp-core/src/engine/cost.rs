@@ -82,7 +82,7 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 1800),
+    (CostItem::Tick, 1880),
     (CostItem::Pad, 400),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
@@ -93,7 +93,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::DrivenPad, 2820),
     (CostItem::BusDrivenPad, 3722),
     (CostItem::DrivenFrame, 20),
-    (CostItem::ContactFrame, 131),
+    (CostItem::ContactFrame, 88),
     (CostItem::DirectFrame, 21),
     (CostItem::GuardedGroup, 430),
     (CostItem::GuardedRingingGroup, 435),
