@@ -20,7 +20,7 @@ impl Moved {
     /// A head between two others.
     const HEAD: Self = Self { modes: HEAD_MODES, groups: 0 };
 
-    /// What moves of a pad of a size that has several positions.
+    /// Modes and groups of the object of a pad of a size, which has several positions.
     pub(super) fn of_size(size: &VoiceSize) -> Self {
         if size.is_in_frames() {
             return Self::HEAD;
@@ -48,7 +48,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.moved(pad, position).cycles().div_ceil(CostItem::Strike.cycles())
     }
 
-    /// What a strike of a pad at a position derives anew.
+    /// Modes and groups that a strike of a pad at a position derives anew.
     pub(super) fn moved(&self, pad: u8, position: f32) -> Moved {
         let Some(voice) = self.voices.get(usize::from(pad)) else { return Moved::default() };
         let place = voice.place_of(position, |slot| self.contacts.is_any_in(pad, slot));
