@@ -70,7 +70,7 @@ pub trait Board {
     const BUILT: Built;
     /// Cycles that a strike may spend on moving its pad to another position: what the
     /// [budget](Self::BUDGET_CYCLES) leaves beside a strike and a choice of modes to leave out.
-    const POSITION_CYCLES: u32 = Self::BUDGET_CYCLES - 20_000;
+    const POSITION_CYCLES: u32 = Self::BUDGET_CYCLES - 21_000;
     /// Words of memory that the board lends its engine.
     const WORDS: Words;
     /// Maximum number of samples in the delay lines of the reverberation, 2 bytes each.
