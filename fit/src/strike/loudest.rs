@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::hearing::{Partial, Partials};
-use crate::joint::LOUDEST;
+use crate::hearing::Partial;
 use crate::modes::DampedSine;
 
 /// Relative distance within which a mode is a partial's.
@@ -17,7 +16,8 @@ const LEAST_LEVEL: f64 = 0.25;
 /// Slowest and fastest decay in 1/s of a mode that is added.
 const DECAYS_PER_S: [f64; 2] = [0.3, 60.0];
 
-/// Modes with one for each of the loudest partials.
+/// Modes with one for each of the loudest partials, which
+/// [`Partials::loudest`](crate::hearing::Partials::loudest) gives.
 ///
 /// A mode whose width reaches the partial is moved to it, if it still rings in the spectrum in which
 /// the partial is heard: a mode of the attack alone cannot be the partial's at any gain. Without
@@ -25,15 +25,14 @@ const DECAYS_PER_S: [f64; 2] = [0.3, 60.0];
 /// partial's. The modes most worth their place come first.
 pub(super) fn with_partials(
     mut modes: Vec<DampedSine>,
-    before: &[f64],
+    partials: &[(usize, Partial)],
     strike: &[f64],
     rate_hz: f64,
     most: usize,
 ) -> Vec<DampedSine> {
-    let partials = Partials::new(before, strike, rate_hz);
-    let bin_hz = partials.bin_hz();
+    let bin_hz = rate_hz / SIZE as f64;
     let mut is_partial = vec![false; modes.len()];
-    for (_, partial) in partials.loudest(LOUDEST) {
+    for (_, partial) in partials {
         let distance = |mode: &DampedSine| (mode.frequency_hz - partial.frequency_hz).abs();
         let start = (partial.at_s * rate_hz) as usize;
         let least = LEAST_LEVEL * size_at(strike, TAU * partial.frequency_hz / rate_hz, start);
@@ -47,13 +46,13 @@ pub(super) fn with_partials(
         let place = match nearest.filter(reaches) {
             Some(place) => place,
             None if modes.len() < most => {
-                modes.push(of_partial(&partial, strike, rate_hz));
+                modes.push(of_partial(partial, strike, rate_hz));
                 is_partial.push(true);
                 continue;
             }
             None => {
                 let Some(place) = (0..modes.len()).rev().find(|&k| !is_partial[k]) else { break };
-                modes[place] = of_partial(&partial, strike, rate_hz);
+                modes[place] = of_partial(partial, strike, rate_hz);
                 place
             }
         };
@@ -101,6 +100,14 @@ fn hann(n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hearing::Partials;
+    use crate::joint::LOUDEST;
+
+    /// Modes with one for each of the loudest partials of a strike at 44.1 kHz.
+    fn with_partials_of(strike: &[f64], modes: Vec<DampedSine>, most: usize) -> Vec<DampedSine> {
+        let partials = Partials::new(&[], strike, 44_100.0).loudest(LOUDEST);
+        with_partials(modes, &partials, strike, 44_100.0, most)
+    }
 
     fn sine(frequency_hz: f64, decay_per_s: f64, amplitude: f64) -> DampedSine {
         DampedSine { frequency_hz, decay_per_s, amplitude, phase: 0.3 }
@@ -111,11 +118,11 @@ mod tests {
         let partial = sine(4_425.0, 8.0, 0.05);
         let mut strike = vec![0.0; 44_100];
         partial.add_to(&mut strike, 44_100.0);
-        let modes = with_partials(vec![sine(4_427.0, 280.0, 0.5)], &[], &strike, 44_100.0, 4);
+        let modes = with_partials_of(&strike, vec![sine(4_427.0, 280.0, 0.5)], 4);
         assert_eq!(modes[0].decay_per_s, 280.0);
         assert!(modes.iter().any(|mode| (mode.decay_per_s / 8.0 - 1.0).abs() < 0.1), "{modes:?}");
         // With no place left, it gives way.
-        let modes = with_partials(modes[..1].to_vec(), &[], &strike, 44_100.0, 1);
+        let modes = with_partials_of(&strike, modes[..1].to_vec(), 1);
         assert!(modes.len() == 1 && modes[0].decay_per_s < 10.0, "{modes:?}");
     }
 
@@ -126,7 +133,7 @@ mod tests {
         partials.iter().for_each(|partial| partial.add_to(&mut strike, 44_100.0));
         // One mode is a partial's, one lies beside it within its width, none is at the third.
         let modes = vec![sine(900.2, 6.0, 0.08), sine(327.0, 60.0, 0.1), sine(7_000.0, 9.0, 0.01)];
-        let modes = with_partials(modes, &[], &strike, 44_100.0, 3);
+        let modes = with_partials_of(&strike, modes, 3);
         assert_eq!(modes.len(), 3);
         for partial in partials {
             let is_its = |mode: &DampedSine| (mode.frequency_hz / partial.frequency_hz - 1.0).abs() < 0.003;
