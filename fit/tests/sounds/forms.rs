@@ -187,7 +187,7 @@ fn assert_notes(name: &str, form: Form, notes: &[String]) {
 }
 
 /// Five modes whose sound rises within 0.5 ms, and noise that dies away.
-fn made() -> Recorded {
+fn computed() -> Recorded {
     const RATE_HZ: u32 = 44_100;
     let onset = 6_000;
     let mut samples = of_these(Vec::new(), 44_100, 3, -70.0).samples;
@@ -211,7 +211,7 @@ fn head() {
 #[test]
 fn a_strike_is_fitted_as_near_in_each_of_seven_forms() {
     head();
-    for (form, more) in errors_over_plain("made", &made(), 8) {
+    for (form, more) in errors_over_plain("computed", &computed(), 8) {
         // The 50 ms of the cut form are another sound.
         let limit = if form == Form::Cut { 0.08 } else { 0.02 };
         assert!(more <= limit, "{form:?}: loudness error {more:+.3} over that of the plain form");
@@ -219,7 +219,6 @@ fn a_strike_is_fitted_as_near_in_each_of_seven_forms() {
 }
 
 /// A strike of the shared recordings: the loudest, from the sound before it on.
-#[cfg_attr(not(has_shared_data), allow(dead_code, reason = "its tests are ignored"))]
 fn shared(path: &Path) -> Recorded {
     let recording = fit::audio::read(path, None).expect("it is readable");
     let (hits, _) = fit::segment::hits(&recording).expect("it holds a strike");
