@@ -29,8 +29,8 @@ const STEPS: usize = 60;
 
 /// Fits `parts` exponentials and a floor.
 ///
-/// `None` if there are fewer than three blocks for each number sought, no power, or `parts` is not 1
-/// or 2.
+/// `None` if there are fewer than three blocks for each number sought, or no power, or if `parts`
+/// is not 1 or 2.
 pub(crate) fn fit(blocks: &[Block], parts: usize) -> Option<Decay> {
     let loudest = blocks.iter().map(|block| block.power).fold(0.0, f64::max);
     let span_s = blocks.last()?.time_s - blocks.first()?.time_s;
@@ -112,7 +112,7 @@ impl Problem<'_> {
         }
     }
 
-    /// [`Self::look`] with a number of numbers that the compiler knows, so that it unrolls the loops.
+    /// [`Self::look`] with a number of numbers that the compiler knows: it unrolls the loops.
     fn look_at<const COUNT: usize>(&self, numbers: &[f64; COUNT]) -> (f64, DVector<f64>, DMatrix<f64>) {
         let floor = numbers[COUNT - 1].exp();
         let mut rates = [0.0; MOST_PARTS];

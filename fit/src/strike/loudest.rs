@@ -19,10 +19,10 @@ const DECAYS_PER_S: [f64; 2] = [0.3, 60.0];
 /// Modes with one for each of the loudest partials, which
 /// [`Partials::loudest`](crate::hearing::Partials::loudest) gives.
 ///
-/// A mode whose width reaches the partial is moved to it, if it still rings in the spectrum in which
-/// the partial is heard: a mode of the attack alone cannot be the partial's at any gain. Without
-/// one, a mode is added; if there are already `most`, it takes the place of the last that is no
-/// partial's. The modes most worth their place come first.
+/// A mode whose width reaches the partial is moved to it, if it still rings in the spectrum in
+/// which the partial is heard: a mode of the attack alone cannot be the partial's at any gain.
+/// Without one, a mode is added; if there are already `most`, it takes the place of the last that
+/// is no partial's. The modes most worth their place come first.
 pub(super) fn with_partials(
     mut modes: Vec<DampedSine>,
     partials: &[(usize, Partial)],
