@@ -43,7 +43,7 @@ struct Recorded {
     rate_hz: u32,
 }
 
-/// What a fit of one form came to.
+/// Outcome of the fit of one form.
 struct Outcome {
     loudness_error: f64,
     /// Onset found over the onset given, in milliseconds.
