@@ -28,6 +28,10 @@ const OVER_FORCE_NOISE: f64 = 10.0;
 const BOUNCE_S: f64 = 0.06;
 /// Length in seconds up to which a recording may end before its strike has died away.
 const CUT_S: f64 = 0.12;
+/// Power of a strike's end relative to its beginning below which it dies away: -6 dB.
+const FADED: f64 = 0.25;
+/// Power of a strike's end relative to its beginning below which it has died away: -30 dB.
+const SILENT: f64 = 1e-3;
 /// Least length of a strike in seconds.
 const SHORTEST_S: f64 = 0.015;
 
@@ -87,22 +91,30 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
             _ => onsets.push(onset),
         }
     }
-    let fades = |from: usize, to: usize| {
+    // Power of the end of a stretch relative to that of its beginning.
+    let left = |from: usize, to: usize| {
         let level = |range: std::ops::Range<usize>| {
             let slice = &samples[range.start.min(samples.len())..range.end.min(samples.len())];
             slice.iter().map(|x| x * x).sum::<f64>() / slice.len().max(1) as f64
         };
         let part = ((to - from) / 8).max(1);
         let first = level(from..from + part).max(level(from + part..from + 2 * part));
-        level(to.saturating_sub(part)..to) < first / 4.0
+        level(to.saturating_sub(part)..to) / first
     };
     let mut hits: Vec<Hit> = Vec::new();
     for (index, &onset) in onsets.iter().enumerate() {
         let end = onsets.get(index + 1).map_or(samples.len(), |next| next.saturating_sub(size));
         // Noise that does not decay is no strike; a sound that is cut soon after has no time to.
         let is_cut = end == samples.len() && ((end - onset) as f64) < CUT_S * recording.rate_hz;
-        if end > onset && (fades(onset, end) || is_cut) {
+        if end <= onset {
+            continue;
+        }
+        let left = left(onset, end);
+        if left < FADED || is_cut {
             hits.push(Hit { onset, end });
+        }
+        if is_cut && left > SILENT {
+            notes.push(Note::EndsRinging { after_s: (end - onset) as f64 / recording.rate_hz });
         }
     }
     if hits.is_empty()

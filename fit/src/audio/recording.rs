@@ -49,6 +49,11 @@ pub enum Note {
     },
     /// The recording begins in the middle of a strike.
     StartsRinging,
+    /// The recording ends soon after a strike, while it still rings.
+    EndsRinging {
+        /// Time from the strike to the end in seconds.
+        after_s: f64,
+    },
     /// The recording rises slowly: its beginning is taken for the onset.
     NoOnset {
         /// Time in seconds that is taken for the onset.
@@ -78,6 +83,10 @@ impl fmt::Display for Note {
                     "no rise of 12 dB is heard: the strike is taken to begin where the sound does, at {at_s:.3} s"
                 )
             }
+            Self::EndsRinging { after_s } => write!(
+                f,
+                "the recording ends {after_s:.3} s after the strike, which still rings: slow decays are guesses"
+            ),
             Self::StartsRinging => write!(f, "the recording begins with the strike: its attack may be missing"),
         }
     }

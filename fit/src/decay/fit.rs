@@ -22,16 +22,20 @@ const NOTHING: f64 = 1e-14;
 const RATES_PER_S: (f64, f64) = (0.1, 1e4);
 /// Number of rates at which the search starts.
 const STARTS: usize = 6;
+/// Maximum number of exponentials.
+const MOST_PARTS: usize = 2;
 /// Maximum number of steps.
 const STEPS: usize = 60;
 
 /// Fits `parts` exponentials and a floor.
 ///
-/// `None` if there are fewer than three blocks for each number sought, or no power.
+/// `None` if there are fewer than three blocks for each number sought, or no power, or if `parts`
+/// is not 1 or 2.
 pub(crate) fn fit(blocks: &[Block], parts: usize) -> Option<Decay> {
     let loudest = blocks.iter().map(|block| block.power).fold(0.0, f64::max);
     let span_s = blocks.last()?.time_s - blocks.first()?.time_s;
-    if blocks.len() < 3 * (2 * parts + 1) || loudest <= 0.0 || span_s <= 0.0 {
+    let is_known = (1..=MOST_PARTS).contains(&parts);
+    if !is_known || blocks.len() < 3 * (2 * parts + 1) || loudest <= 0.0 || span_s <= 0.0 {
         return None;
     }
     let problem = Problem { blocks, nothing: loudest * NOTHING };
@@ -102,33 +106,41 @@ impl Problem<'_> {
 
     /// Misfit, with gradient and expected curvature in the logarithms.
     fn look(&self, numbers: &DVector<f64>) -> (f64, DVector<f64>, DMatrix<f64>) {
-        let count = numbers.len();
-        let floor = numbers[count - 1].exp();
-        let rates: Vec<f64> = (0..count / 2).map(|k| numbers[2 * k + 1].exp()).collect();
+        match numbers.as_slice().try_into() {
+            Ok(numbers) => self.look_at::<3>(numbers),
+            Err(_) => self.look_at::<{ 2 * MOST_PARTS + 1 }>(&std::array::from_fn(|k| numbers[k])),
+        }
+    }
+
+    /// [`Self::look`] with a number of numbers that the compiler knows: it unrolls the loops.
+    fn look_at<const COUNT: usize>(&self, numbers: &[f64; COUNT]) -> (f64, DVector<f64>, DMatrix<f64>) {
+        let floor = numbers[COUNT - 1].exp();
+        let mut rates = [0.0; MOST_PARTS];
+        rates.iter_mut().zip(numbers.iter().skip(1).step_by(2)).for_each(|(rate, number)| *rate = number.exp());
         let (mut misfit, mut weights) = (0.0, 0.0);
-        let (mut gradient, mut curvature) = (DVector::zeros(count), DMatrix::zeros(count, count));
-        let mut slope = vec![0.0; count];
+        let (mut gradient, mut curvature, mut slope) = ([0.0; COUNT], [[0.0; COUNT]; COUNT], [0.0; COUNT]);
         for block in self.blocks {
             let mut mean = self.nothing + floor;
-            slope[count - 1] = floor;
-            for (k, rate) in rates.iter().enumerate() {
-                let part = (numbers[2 * k] - rate * block.time_s).exp();
+            slope[COUNT - 1] = floor;
+            for k in 0..COUNT / 2 {
+                let part = (numbers[2 * k] - rates[k] * block.time_s).exp();
                 mean += part;
                 slope[2 * k] = part;
-                slope[2 * k + 1] = -part * rate * block.time_s;
+                slope[2 * k + 1] = -part * rates[k] * block.time_s;
             }
             slope.iter_mut().for_each(|slope| *slope /= mean);
             let ratio = block.power / mean;
             misfit += block.length_s * (mean.ln() + ratio);
             weights += block.length_s;
-            for (column, by) in slope.iter().enumerate() {
-                gradient[column] += block.length_s * (1.0 - ratio) * by;
-                for (row, other) in slope.iter().enumerate() {
-                    curvature[(row, column)] += block.length_s * by * other;
+            for column in 0..COUNT {
+                gradient[column] += block.length_s * (1.0 - ratio) * slope[column];
+                for row in 0..COUNT {
+                    curvature[column][row] += block.length_s * slope[column] * slope[row];
                 }
             }
         }
-        (misfit / weights, gradient / weights, curvature / weights)
+        let gradient = DVector::from_fn(COUNT, |k, _| gradient[k] / weights);
+        (misfit / weights, gradient, DMatrix::from_fn(COUNT, COUNT, |row, column| curvature[column][row] / weights))
     }
 
     /// Fisher scoring with Levenberg's damping; returns the misfit and the numbers.

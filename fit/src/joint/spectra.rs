@@ -37,6 +37,8 @@ pub(super) struct Spectra {
     /// Sum of all modes' `g D / 2`, for the force within the frames.
     common: Split,
     frames: Vec<Place>,
+    /// Frame behind the force that begins where each frame ends, if there is one.
+    next: Vec<Option<usize>>,
     force: Vec<Split>,
     twiddles: Vec<C64>,
 }
@@ -90,6 +92,9 @@ impl Spectra {
                 }
             })
             .collect();
+        let begins_at = |wanted: i64| move |place: &Place| matches!(*place, Place::Ringing(_, at) if at == wanted);
+        let next = grid.frames.iter().map(|frame| frames.iter().position(begins_at(frame.start + size as i64)));
+        let next = next.collect();
         // One bin more on either side, which the window needs.
         let extent = 2 * grid.bins() + 1;
         let spectrum_of_force = |start: &i64| {
@@ -114,6 +119,7 @@ impl Spectra {
             common: Split::zeros(if onsets.is_empty() { 0 } else { extent }),
             force: onsets.iter().map(spectrum_of_force).collect(),
             frames,
+            next,
             twiddles,
         }
     }
@@ -128,11 +134,17 @@ impl Spectra {
     }
 
     /// `D` at the bins from `from` to `to`.
-    fn pole_responses(&self, z: C64, from: i64, to: i64) -> impl Iterator<Item = C64> {
-        let first = from.rem_euclid(self.size as i64) as usize;
+    fn pole_responses(&self, z: C64, from: i64, to: i64) -> Vec<C64> {
         let count = usize::try_from(to - from + 1).unwrap_or(0);
-        let twiddles = self.twiddles.iter().cycle().skip(first).take(count);
-        twiddles.map(move |twiddle| (C64::new(1.0, 0.0) - z * twiddle).inv())
+        let mut responses = Vec::with_capacity(count);
+        let mut first = from.rem_euclid(self.size as i64) as usize;
+        while responses.len() < count {
+            let last = self.size.min(first + count - responses.len());
+            let twiddles = &self.twiddles[first..last];
+            responses.extend(twiddles.iter().map(|twiddle| (C64::new(1.0, 0.0) - z * twiddle).inv()));
+            first = 0;
+        }
+        responses
     }
 
     /// Shapes of a mode.
@@ -151,30 +163,29 @@ impl Spectra {
         let skirt = size as f64 / (2.0 * std::f64::consts::TAU);
         let reach = (1.5 + (skirt / (peak * NEGLIGIBLE)).cbrt()).ceil().min(size as f64) as i64;
         let (from, to) = ((centre - reach).max(lowest), (centre + reach).min(highest));
-        let values: Vec<C64> = self.pole_responses(z, from - 1, to + 1).collect();
-        let length = values.len().saturating_sub(2);
-        let (mut hann, mut hann_slope) = (Split::with_capacity(length), Split::with_capacity(length));
-        for three in values.windows(3) {
-            let slopes = [0, 1, 2].map(|index| three[index] * three[index] - three[index]);
-            hann.push(three[1] * 0.5 - (three[0] + three[2]) * 0.25);
-            hann_slope.push(slopes[1] * 0.5 - (slopes[0] + slopes[2]) * 0.25);
-        }
-        let extent = self.common.re.len();
-        let (mut full, mut full_slope) = (Split::with_capacity(extent), Split::with_capacity(extent));
+        let values = self.pole_responses(z, from - 1, to + 1);
+        let (hann, hann_slope) = (windowed(&values), windowed(&bent(&values)));
+        let (mut full, mut full_slope) = (Split::default(), Split::default());
         if !self.onsets.is_empty() {
             let edge = self.bins() as i64;
-            for value in self.pole_responses(z, -edge, edge) {
-                full.push(value);
-                full_slope.push(value * value - value);
-            }
+            let values = self.pole_responses(z, -edge, edge);
+            (full, full_slope) = (Split::of(&values), Split::of(&bent(&values)));
         }
-        let amplitude = |place: &Place| {
-            let [[begin, begin_slope], [end, end_slope]] = match *place {
-                Place::Ringing(_, start) => {
-                    let since = (start - (response.head.len() as i64 - 1)) as f64;
-                    [response.ringing(since), response.ringing(since + self.size as f64)]
-                }
-                Place::Onset(_, start) => [response.state(start), response.state(start + size)],
+        let since = |start: i64| (start - (response.head.len() as i64 - 1)) as f64;
+        let state_at = |place: &Place| match *place {
+            Place::Ringing(_, start) => response.ringing(since(start)),
+            Place::Onset(_, start) => response.state(start),
+        };
+        let begins: Vec<[C64; 2]> = self.frames.iter().map(state_at).collect();
+        let amplitude = |(index, place): (usize, &Place)| {
+            let [begin, begin_slope] = begins[index];
+            let [end, end_slope] = match *place {
+                // Where another frame begins, its state is known.
+                Place::Ringing(_, start) => match self.next[index] {
+                    Some(next) => begins[next],
+                    None => response.ringing(since(start) + self.size as f64),
+                },
+                Place::Onset(_, start) => response.state(start + size),
             };
             [begin - end, begin_slope - end_slope].map(|value| C32::new(value.re as f32, value.im as f32))
         };
@@ -184,7 +195,7 @@ impl Spectra {
             hann_slope,
             full,
             full_slope,
-            amplitudes: self.frames.iter().map(amplitude).collect(),
+            amplitudes: self.frames.iter().enumerate().map(amplitude).collect(),
         }
     }
 
@@ -327,6 +338,17 @@ impl Spectra {
         slopes.pole[0] -= 0.5 * turned.re;
         slopes.pole[1] -= 0.5 * turned.im;
     }
+}
+
+/// Derivatives of `D` by `ln z`: `D² - D`.
+fn bent(values: &[C64]) -> Vec<C64> {
+    values.iter().map(|value| value * value - value).collect()
+}
+
+/// Values under a Hann window, without the first and the last.
+fn windowed(values: &[C64]) -> Split {
+    let windowed = |three: &[C64]| three[1] * 0.5 - (three[0] + three[2]) * 0.25;
+    Split::of(&values.windows(3).map(windowed).collect::<Vec<C64>>())
 }
 
 #[cfg(test)]

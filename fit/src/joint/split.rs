@@ -17,9 +17,12 @@ impl Split {
         Self { re: vec![0.0; length], im: vec![0.0; length] }
     }
 
-    /// An empty spectrum with room for `length` bins.
-    pub(super) fn with_capacity(length: usize) -> Self {
-        Self { re: Vec::with_capacity(length), im: Vec::with_capacity(length) }
+    /// A spectrum of values in double precision.
+    pub(super) fn of(values: &[Complex<f64>]) -> Self {
+        Self {
+            re: values.iter().map(|value| value.re as f32).collect(),
+            im: values.iter().map(|value| value.im as f32).collect(),
+        }
     }
 
     pub(super) fn clear(&mut self) {

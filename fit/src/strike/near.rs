@@ -11,7 +11,7 @@ use super::audible::{Chosen, are_one};
 use super::loudest::with_partials;
 use super::noise::noise_of;
 use crate::band::usual_edges_hz;
-use crate::hearing::{Loudness, Partials};
+use crate::hearing::{Loudness, Partial, Partials};
 use crate::joint::{Descent, HELD, LOUDEST, Sounding, cancel};
 use crate::modes::{
     Basis, DampedSine, Ending, Gains, Group, Model, Pole, Settings, Stretch, candidates, estimate_poles, explains,
@@ -78,7 +78,8 @@ impl Heard<'_> {
     /// Else several sets of modes begin a descent. The nearest after a few steps goes on.
     pub(super) fn near(&self, settings: Settings) -> Option<Near> {
         let (mut modes, apart) = self.audible(settings);
-        let (start, left) = self.start_of(&modes, settings)?;
+        let partials = Partials::new(&self.samples[..self.onset], self.strike(), self.rate_hz).loudest(LOUDEST);
+        let (start, left) = self.start_of(&modes, &partials, settings)?;
         if left < LITTLE
             && let Some(exact) = self.exact(settings)
         {
@@ -89,7 +90,7 @@ impl Heard<'_> {
         let mut descent =
             Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
         let mut nearest = (descent.run(&start, PROBING).1, start);
-        let sounding = |modes: &[DampedSine]| Some(self.start_of(modes, settings)?.0);
+        let sounding = |modes: &[DampedSine]| Some(self.start_of(modes, &partials, settings)?.0);
         if let Some(apart) = apart
             && is_nearer(&mut descent, &mut nearest, sounding(&apart))
         {
@@ -183,11 +184,15 @@ impl Heard<'_> {
     }
 
     /// The beginning of a descent from modes, and their share of the strike's energy that is left.
-    fn start_of(&self, modes: &[DampedSine], settings: Settings) -> Option<(Sounding, f64)> {
+    fn start_of(
+        &self,
+        modes: &[DampedSine],
+        partials: &[(usize, Partial)],
+        settings: Settings,
+    ) -> Option<(Sounding, f64)> {
         // A refinement may leave drifts and clicks behind, which are no modes.
         let modes = modes.iter().filter(|mode| is_mode(mode, self.rate_hz, settings)).copied().collect();
-        let before = &self.samples[..self.onset];
-        let modes = with_partials(modes, before, self.strike(), self.rate_hz, settings.most_modes);
+        let modes = with_partials(modes, partials, self.strike(), self.rate_hz, settings.most_modes);
         self.start(self.poles(&modes))
     }
 

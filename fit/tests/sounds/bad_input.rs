@@ -126,6 +126,16 @@ fn the_readable_part_of_a_cut_file_is_used() {
 }
 
 #[test]
+fn a_recording_that_ends_while_its_strike_rings_is_fitted_with_a_note() {
+    let folder = TempDir::new().expect("a folder");
+    let fitted = fit(&wave(&folder, "short.wav", 44_100, &[strike(44_100.0, 0.1, 0.15)])).expect("a strike");
+    has_three_modes(&fitted);
+    assert!(fitted.report.notes.iter().any(|note| note.contains("still rings")), "{:?}", fitted.report.notes);
+    let fitted = fit(&wave(&folder, "whole.wav", 44_100, &[strike(44_100.0, 0.1, 1.0)])).expect("a strike");
+    assert!(fitted.report.notes.is_empty(), "{:?}", fitted.report.notes);
+}
+
+#[test]
 fn two_minutes_of_a_longer_file_are_read_with_a_note() {
     let folder = TempDir::new().expect("a folder");
     let mut sound = strike(8_000.0, 0.1, 2.0);

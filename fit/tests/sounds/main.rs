@@ -5,6 +5,7 @@ mod bad_input;
 mod bark;
 mod bins;
 mod dynamic_filter;
+mod forms;
 mod hammer;
 mod modes;
 mod room;

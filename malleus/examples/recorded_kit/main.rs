@@ -2,14 +2,15 @@
 //!
 //! ```text
 //! cargo run --release -p malleus --example recorded_kit -- \
-//!     --recordings ../shared/data/recordings --out tables [--before OTHER_TABLES]
+//!     --recordings ../shared/data/recordings --out tables [--before OTHER_TABLES] [--measure]
 //! ```
 //!
 //! Each instrument is fitted as `malleus fit` does, modes and noise together, then made playable:
 //! no mode rings longer than the recording shows, and all strikes at velocity 1 have one peak. Two
 //! printed tables say how near the new tables are to their recordings, and how near the tables in
 //! the folder `--before` are. Without `--before` the old tables in `--out` are compared. If a
-//! recording is absent, its table is not changed.
+//! recording is absent, its table is not changed. With `--measure` nothing is fitted or written:
+//! the printed figures are those of the tables in `--out` as they are.
 
 mod decay;
 mod failure;
@@ -37,7 +38,7 @@ const STACK_BYTES: usize = 64 << 20;
 
 fn main() -> ExitCode {
     let Some(folders) = arguments() else {
-        eprintln!("usage: recorded_kit --recordings DIR --out DIR [--before DIR]");
+        eprintln!("usage: recorded_kit --recordings DIR --out DIR [--before DIR] [--measure]");
         return ExitCode::from(2);
     };
     match make(&folders) {
@@ -56,21 +57,24 @@ struct Folders {
     out: PathBuf,
     /// Folder of the tables with which those written are compared.
     before: PathBuf,
+    /// True if the tables in `out` are measured as they are, and nothing is written.
+    only_measures: bool,
 }
 
 fn arguments() -> Option<Folders> {
-    let (mut recordings, mut out, mut before) = (None, None, None);
+    let (mut recordings, mut out, mut before, mut only_measures) = (None, None, None, false);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--recordings" => recordings = words.next().map(PathBuf::from),
             "--out" => out = words.next().map(PathBuf::from),
             "--before" => before = words.next().map(PathBuf::from),
+            "--measure" => only_measures = true,
             _ => return None,
         }
     }
     let out = out?;
-    Some(Folders { recordings: recordings?, before: before.unwrap_or_else(|| out.clone()), out })
+    Some(Folders { recordings: recordings?, before: before.unwrap_or_else(|| out.clone()), out, only_measures })
 }
 
 /// Outcome of making an instrument.
@@ -93,7 +97,8 @@ struct Figures {
     /// Nearness of the table's modes without its noise, as a board without memory for it plays
     /// them.
     modes_alone: Nearness,
-    /// Log-spectral distance of the fit, before the table was made playable, in dB.
+    /// Log-spectral distance of the fit, before the table was made playable, in dB; NaN if nothing
+    /// was fitted.
     fitted_lsd_db: f64,
     /// Row of the second printed table.
     play: String,
@@ -106,7 +111,9 @@ fn make(folders: &Folders) -> Result<(), Failure> {
             format!("{path}: there are no recordings (no MANIFEST.csv), and all tables stay as they are").into()
         );
     }
-    std::fs::create_dir_all(folders.out.join("recorded"))?;
+    if !folders.only_measures {
+        std::fs::create_dir_all(folders.out.join("recorded"))?;
+    }
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
     let made: Vec<Result<Made, Failure>> =
         workers.install(|| INSTRUMENTS.par_iter().map(|instrument| one(instrument, folders)).collect());
@@ -123,6 +130,9 @@ fn make(folders: &Folders) -> Result<(), Failure> {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     figures.iter().for_each(|one| println!("{}", one.play));
+    if folders.only_measures {
+        return Ok(());
+    }
     let path = folders.out.join("recorded.toml");
     kit::file::write_whole(&path, kit_text().as_bytes())?;
     println!("\n{}", path.display());
@@ -136,10 +146,11 @@ fn print_nearness(figures: &[Figures]) {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let row = |name: &str, [modes, bands]: [usize; 2], numbers: [f64; 8]| {
-        let [erb_before, erb, loudness_before, loudness, alone, lsd_before, fitted, lsd] = numbers;
-        println!(
-            "| {name} | {modes} | {bands} | {erb_before:.2} | {erb:.2} | {loudness_before:.3} | {loudness:.3} | {alone:.3} | {lsd_before:.2} | {fitted:.2} | {lsd:.2} |"
-        );
+        let cells = numbers.into_iter().zip([2, 2, 3, 3, 3, 2, 2, 2]).map(|(number, digits)| {
+            // What was not measured is NaN.
+            if number.is_nan() { "-".to_owned() } else { format!("{number:.digits$}") }
+        });
+        println!("| {name} | {modes} | {bands} | {} |", cells.collect::<Vec<_>>().join(" | "));
     };
     let mut all: [Vec<f64>; 8] = Default::default();
     for one in figures {
@@ -163,7 +174,7 @@ fn print_nearness(figures: &[Figures]) {
     row("all modes and bands, median", [modes, bands], all.map(|column| quantile(&column, 0.5)));
 }
 
-/// Fits an instrument and writes its table; returns the instrument's figures.
+/// Makes an instrument's table, if that is asked for, and measures it.
 fn one(instrument: &Instrument, folders: &Folders) -> Result<Made, Failure> {
     let path = folders.recordings.join(instrument.recording);
     if !path.exists() {
@@ -174,13 +185,21 @@ fn one(instrument: &Instrument, folders: &Folders) -> Result<Made, Failure> {
         Ok(before) => Some(nearness::of(&before.kit, &folders.recordings)?),
         Err(_) => None,
     };
+    let file = folders.out.join(file);
+    let fitted_lsd_db = if folders.only_measures { f64::NAN } else { fit_and_write(instrument, folders, &file)? };
+    let table = kit::load(&file)?.kit;
+    Ok(Made::Table(Box::new(figures(instrument, folders, &table, before, fitted_lsd_db)?)))
+}
+
+/// Fits an instrument and writes its table to a file; returns the fit's log-spectral distance in
+/// dB.
+fn fit_and_write(instrument: &Instrument, folders: &Folders, file: &Path) -> Result<f64, Failure> {
     let origin = manifest::origin(&folders.recordings, instrument.recording)?;
     let mut options = Options { licence: origin.licence.clone(), ..Options::default() };
     options.strike.modes.most_modes = instrument.modes;
-    let fitted = fit_file(&path, &options)?;
+    let fitted = fit_file(&folders.recordings.join(instrument.recording), &options)?;
     let strike = fitted.fit.strikes.get(fitted.fit.loudest).ok_or("no strike")?;
     let heard = fitted.recording.samples.get(strike.hit.onset..strike.hit.end).ok_or("no sound")?;
-    let rate_hz = fitted.recording.rate_hz;
 
     let mut table = fitted.table.clone();
     if !table.room.is_empty() {
@@ -188,7 +207,7 @@ fn one(instrument: &Instrument, folders: &Folders) -> Result<Made, Failure> {
     }
     let object = table.objects.first_mut().ok_or("the fit has no object")?;
     let source = object.source.clone();
-    let limited = decay::limit(object, heard, rate_hz);
+    let limited = decay::limit(object, heard, fitted.recording.rate_hz);
     let moved = match gain::balance(&mut table)? {
         0 => String::new(),
         percent => format!(", its acceleration sound moved by {percent} % toward balance"),
@@ -210,44 +229,54 @@ fn one(instrument: &Instrument, folders: &Folders) -> Result<Made, Failure> {
         striker.source.clone_from(&source);
     }
     kit::binary::build(&table)?; // refuses what a board would refuse
-    let file = folders.out.join(file);
-    kit::file::write_whole(&file, kit::text::write(&table).as_bytes())?;
+    kit::file::write_whole(file, kit::text::write(&table).as_bytes())?;
+    Ok(fitted.report.hearing.lsd_db)
+}
 
-    let table = kit::load(&file)?.kit;
-    let now = nearness::of(&table, &folders.recordings)?;
+/// Figures of an instrument's table.
+fn figures(
+    instrument: &Instrument,
+    folders: &Folders,
+    table: &Kit,
+    before: Option<Nearness>,
+    fitted_lsd_db: f64,
+) -> Result<Figures, Failure> {
+    let (recording, hit) = nearness::recorded(table, &folders.recordings)?;
+    let (heard, rate_hz) = (recording.samples.get(hit.onset..hit.end).ok_or("no sound")?, recording.rate_hz);
+    let now = nearness::of(table, &folders.recordings)?;
     let mut without_noise = table.clone();
     without_noise.objects.iter_mut().for_each(|object| object.residual = None);
     let modes_alone = nearness::of(&without_noise, &folders.recordings)?;
-    let sound = by_instrument(&table, 0.0, rate_hz, heard.len())?;
+    let sound = by_instrument(table, 0.0, rate_hz, heard.len())?;
     let modes = table.objects.iter().flat_map(|object| &object.modes);
     let longest = modes.map(|mode| 1000f64.ln() / f64::from(mode.decay_per_s)).fold(0.0, f64::max);
     let seconds = |sound: &[f64]| {
         decay::fall_time_s(sound, rate_hz, 30.0).map_or_else(|| "longer".to_owned(), |time| format!("{time:.2}"))
     };
-    let full = gain::peak(&table, 1.0)?;
-    let softer_db = |velocity: f32| Ok::<f64, Failure>(20.0 * (gain::peak(&table, velocity)? / full).log10());
+    let full = gain::peak(table, 1.0)?;
+    let softer_db = |velocity: f32| Ok::<f64, Failure>(20.0 * (gain::peak(table, velocity)? / full).log10());
     let play = format!(
         "| `{}` | {longest:.2} | {} | {} | {:.2} | {:.1}, {:.1} dB | {:+.1} dB | {:+.1} dB |",
         instrument.name,
         seconds(heard),
         seconds(&sound),
-        1e3 * strike.contact_time_s,
+        1e3 * table.strikers.first().ok_or("the table has no striker")?.contact_time_s,
         softer_db(0.5)?,
         softer_db(0.2)?,
         now.peak_db,
         now.attack_db,
     );
     let residuals = table.objects.iter().filter_map(|object| object.residual.as_ref());
-    Ok(Made::Table(Box::new(Figures {
+    Ok(Figures {
         name: instrument.name,
         modes: table.objects.iter().map(|object| object.modes.len()).sum(),
         bands: residuals.map(|residual| residual.weight.iter().filter(|weight| **weight > 0.0).count()).sum(),
         before,
         now,
         modes_alone,
-        fitted_lsd_db: fitted.report.hearing.lsd_db,
+        fitted_lsd_db,
         play,
-    })))
+    })
 }
 
 /// Gain of the louder channel relative to the sound of [`by_instrument`].

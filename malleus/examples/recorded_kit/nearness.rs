@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
-use fit::audio;
+use fit::audio::{self, Recording};
 use fit::hearing::{Heard, Scores};
 use fit::render::by_instrument;
-use fit::segment;
+use fit::segment::{self, Hit};
 use kit::Kit;
+
+/// Failure of a measurement, from any of its parts.
+type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Length of the attack whose level is compared, in seconds.
 const ATTACK_S: f64 = 0.003;
@@ -25,20 +28,29 @@ pub(crate) struct Nearness {
     pub(crate) attack_db: f64,
 }
 
-/// Plays a table by dsp-core, with the table's own noise, and compares it with a recording in a
-/// folder.
+/// Reads the recording that a table names, from a folder, and finds the strike in it.
 ///
 /// # Errors
-/// A message if the table's source names no strike, the recording cannot be read or holds no
-/// strike, or a board would refuse the table.
-pub(crate) fn of(table: &Kit, recordings: &Path) -> Result<Nearness, Box<dyn std::error::Error + Send + Sync>> {
+/// A message if the table's source names no strike, or the recording cannot be read or holds no
+/// strike.
+pub(crate) fn recorded(table: &Kit, recordings: &Path) -> Result<(Recording, Hit), Failure> {
     let object = table.objects.first().ok_or("the table has no object")?;
     let (file, at_s) = strike_of(&object.source).ok_or("the source names no strike of a recording")?;
     let recording = audio::read(&recordings.join(file), None)?;
     let (hits, _) = segment::hits(&recording)?;
+    let off_s = |hit: &Hit| (hit.onset as f64 / recording.rate_hz - at_s).abs();
+    let hit = hits.into_iter().min_by(|a, b| off_s(a).total_cmp(&off_s(b))).ok_or("the recording holds no strike")?;
+    Ok((recording, hit))
+}
+
+/// Plays a table by dsp-core, with the table's own noise, and compares it with a recording in a
+/// folder.
+///
+/// # Errors
+/// The errors of [`recorded`], and those of a table that a board would refuse.
+pub(crate) fn of(table: &Kit, recordings: &Path) -> Result<Nearness, Failure> {
+    let (recording, hit) = recorded(table, recordings)?;
     let rate_hz = recording.rate_hz;
-    let off_s = |hit: &&segment::Hit| (hit.onset as f64 / rate_hz - at_s).abs();
-    let hit = hits.iter().min_by(|a, b| off_s(a).total_cmp(&off_s(b))).ok_or("the recording holds no strike")?;
     let strike = recording.samples.get(hit.onset..hit.end).ok_or("the recording holds no sound")?;
     let sound = by_instrument(table, 0.0, rate_hz, strike.len())?;
     let heard = Heard::new(&recording.samples, rate_hz, hit.onset, hit.end);
