@@ -43,12 +43,10 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
     if is_complete {
         let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
-        let places = model.places();
         let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
         for pole in tied_modes(&model, &left, rate_hz, few).into_iter().take(MOST_AT_A_TIME) {
-            model.poles.push(pole);
             // The first step finds the gain, which is linear.
-            model.gains.push(vec![Complex::new(1e-6 * loudest, 0.0); places]);
+            model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
         }
     }
     model
@@ -81,10 +79,7 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
         (a.angular - b.angular).abs() < NEIGHBOURS * (a.decay + b.decay)
     };
     let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
-    let mut modes = 0..;
-    model.poles.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
-    let mut modes = 0..;
-    model.gains.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
+    model.drop_modes(&dropped);
     let spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
     let strikes = &fitted.model.strikes;
     let is_near = |a: usize, b: usize| {

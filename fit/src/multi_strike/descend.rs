@@ -73,6 +73,9 @@ impl Fitted {
         if !self.model.strikes.is_empty() {
             arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
         }
+        for end in self.model.ends().into_iter().flatten() {
+            arrow.hold(self.model.strike_size() * end + 3);
+        }
         if self.model.acceleration == 0.0 {
             arrow.hold_shared(self.model.shared_size() - 1);
         }
@@ -218,7 +221,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     };
     Some(Deviations {
         poles: modes.clone().map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
-        gains: modes.map(|mode| (0..model.places()).map(|place| of_gain(mode, place)).collect()).collect(),
+        gains: modes.map(|mode| (0..model.gains[mode].len()).map(|place| of_gain(mode, place)).collect()).collect(),
         acceleration,
         strikes,
     })
@@ -233,7 +236,7 @@ mod tests {
     use crate::multi_strike::truth::model_of;
     use crate::random::SplitMix64;
 
-    fn random_model(random: &mut SplitMix64, places: usize) -> Model {
+    fn random_model(random: &mut SplitMix64, places: usize, strikers: usize) -> Model {
         let pole = |index: u32| Pole {
             decay: 2e-3 * (1.0 + f64::from(index)),
             angular: 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform(),
@@ -248,15 +251,22 @@ mod tests {
                 peak: 0.2 + random.uniform(),
             },
             position: 0.1 + 0.8 * random.uniform(),
+            striker: 0,
         });
-        Model { poles, gains, acceleration: 0.7, strikes: strikes.to_vec() }
+        let owners = vec![None; 3];
+        let mut model = Model { poles, gains, owners, acceleration: 0.7, strikes: strikes.to_vec() };
+        if strikers > 1 {
+            model.strikes[1].striker = 1;
+            model.push(pole(3), Complex::new(0.6, -0.8), Some(1));
+        }
+        model
     }
 
     #[test]
     fn gradient_of_the_energy_agrees_with_central_differences() {
-        for (seed, places) in [(1, 1), (2, 1), (3, 3)] {
+        for (seed, places, strikers) in [(1, 1, 1), (2, 1, 2), (3, 3, 1), (4, 6, 2)] {
             let mut random = SplitMix64(seed);
-            let model = random_model(&mut random, places);
+            let model = random_model(&mut random, places, strikers);
             let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
             let whitening = Whitening::of_residual(&samples, 5);
             let fitted = Fitted::new(model.clone(), &samples, &whitening);

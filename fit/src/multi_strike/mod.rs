@@ -26,6 +26,7 @@ mod free;
 mod model;
 mod ringing;
 mod rises;
+mod spline;
 mod start;
 pub mod synthetic;
 mod table;

@@ -110,7 +110,7 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
     let mut contact = on_grid(&change, &gains, &vec![0.0; gains.len()], &exponents, &grid(GRID, rate_hz), rate_hz);
     (0..3).for_each(|_| improve(&mut contact, &change, &gains, &exponents));
     contact.middle += at as f64;
-    Some(Strike { contact, position: 0.0 })
+    Some(Strike { contact, position: 0.0, striker: 0 })
 }
 
 /// Contact times in samples that are tried.
@@ -195,10 +195,12 @@ fn from_trial(
     let strikes = contacts.iter().zip(changes).map(|(contact, change)| Strike {
         contact: Contact { middle: change.at as f64 + contact.middle, ..*contact },
         position: 0.0,
+        striker: 0,
     });
     let mut model = Model {
         poles: poles.to_vec(),
         gains: gains.into_iter().map(|gain| vec![gain]).collect(),
+        owners: vec![None; poles.len()],
         acceleration: 0.0,
         strikes: strikes.collect(),
     };

@@ -21,10 +21,12 @@ pub(crate) fn model_of(sound: &StruckOften) -> Model {
             peak: strike.peak_force,
         },
         position: 0.0,
+        striker: 0,
     };
     Model {
         poles: sound.modes.iter().map(pole).collect(),
         gains: sound.modes.iter().map(gain).collect(),
+        owners: vec![None; sound.modes.len()],
         acceleration: 0.0,
         strikes: sound.strikes.iter().map(strike).collect(),
     }
