@@ -5,6 +5,7 @@ use nalgebra::Complex;
 use super::changes::changes;
 use super::descend::{Fitted, deviations};
 use super::equations::residual;
+use super::free::left_over;
 use super::model::{Model, Strike};
 use super::start::missing as missing_strike;
 use super::tied::tied_modes;
@@ -44,7 +45,14 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
     if is_complete {
         let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
         let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
-        for pole in tied_modes(&model, &left, rate_hz, few).into_iter().take(MOST_AT_A_TIME) {
+        // Gains that differ from strike to strike have no sum that all strikes share.
+        let poles = if model.places() > 1 || model.owners.iter().any(Option::is_some) {
+            let onsets: Vec<usize> = model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+            left_over(&left, &onsets, rate_hz, few)
+        } else {
+            tied_modes(&model, &left, rate_hz, few)
+        };
+        for pole in poles.into_iter().take(MOST_AT_A_TIME) {
             // The first step finds the gain, which is linear.
             model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
         }

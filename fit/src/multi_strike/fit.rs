@@ -10,7 +10,10 @@ use super::error::StrikesError;
 use super::free::{Guard, free_modes};
 use super::model::Model;
 use super::rises::rises;
-use super::start::starts;
+use super::Layout;
+use super::places::starts_at_places;
+use super::start::{changes_of, starts};
+use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;
 
@@ -52,7 +55,7 @@ pub(crate) struct JointFit {
 ///
 /// # Errors
 /// [`StrikesError`] if there are too few strikes, or if they cannot be told apart.
-pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<JointFit, StrikesError> {
+pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings, layout: Layout) -> Result<JointFit, StrikesError> {
     let is_short = samples.len() < (SHORTEST_S * rate_hz) as usize;
     if is_short {
         return Err(StrikesError::TooShort { seconds: samples.len() as f64 / rate_hz });
@@ -78,7 +81,12 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
     if onsets.len() < LEAST_STRIKES {
         return Err(StrikesError::TooFew { found: onsets.len() });
     }
-    let starts = starts(samples, &onsets, &free.poles, rate_hz, free.variance);
+    let starts = if layout == Layout::default() {
+        starts(samples, &onsets, &free.poles, rate_hz, free.variance)
+    } else {
+        let changes = changes_of(samples, &onsets, &free.poles, rate_hz, free.variance);
+        starts_at_places(&changes, &free.poles, rate_hz, layout)
+    };
     let mut aligned: Vec<(f64, Model)> =
         starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -100,7 +108,8 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
     for _ in 0..COMPLETIONS {
         let before = (fitted.model.poles.len(), fitted.model.strikes.len());
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
-        fitted = Fitted::new(fitted.model, samples, &whitening);
+        let model = with_strikers(&fitted, samples, rate_hz, layout);
+        fitted = Fitted::new(model, samples, &whitening);
         let more = completed(&fitted, samples, rate_hz, settings);
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
@@ -134,6 +143,19 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
     Ok(JointFit { fitted, deviations })
 }
 
+/// The model with strikers told apart by its contacts, and with their own modes.
+fn with_strikers(fitted: &Fitted, samples: &[f64], rate_hz: f64, layout: Layout) -> Model {
+    let model = &fitted.model;
+    if layout.strikers < 2 {
+        return model.clone();
+    }
+    let onsets: Vec<usize> =
+        model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+    let variance = fitted.noise_rms().powi(2);
+    let changes = changes_of(samples, &onsets, &model.poles, rate_hz, variance);
+    assigned(model, &changes, layout.strikers, layout.positions, rate_hz)
+}
+
 /// The best of a fit and of those with all contacts at another time.
 fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let mut best = fitted;
@@ -165,7 +187,7 @@ mod tests {
     fn a_set_of_known_strikes_is_found_whole_and_to_the_noise() {
         let sound = plain(8, 6.0, 10, -60.0);
         let truth = model_of(&sound);
-        let joint = fit(&sound.samples, sound.rate_hz, Settings::default()).expect("strikes are told");
+        let joint = fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default()).expect("strikes are told");
         let model = &joint.fitted.model;
         assert_eq!((model.strikes.len(), model.acceleration), (10, 0.0));
         assert!(model.poles.len() <= truth.poles.len() && model.poles.len() + 1 >= truth.poles.len());
@@ -183,7 +205,7 @@ mod tests {
         let sound = plain(8, 3.0, 5, -60.0);
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-            pool.install(|| fit(&sound.samples, sound.rate_hz, Settings::default()))
+            pool.install(|| fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default()))
         };
         let (one, two) = (on(1).expect("strikes are told"), on(2).expect("strikes are told"));
         assert_eq!(one.fitted.model, two.fitted.model);
@@ -194,12 +216,12 @@ mod tests {
     fn noise_and_a_single_strike_are_refused_by_name() {
         let mut random = crate::random::SplitMix64(4);
         let noise: Vec<f64> = (0..44_100).map(|_| 1e-3 * random.normal()).collect();
-        let refused = fit(&noise, 44_100.0, Settings::default());
+        let refused = fit(&noise, 44_100.0, Settings::default(), Layout::default());
         assert!(matches!(refused, Err(StrikesError::TooFew { .. } | StrikesError::NoModes)), "{refused:?}");
         let once = plain(8, 1.5, 1, -60.0);
-        let refused = fit(&once.samples, once.rate_hz, Settings::default());
+        let refused = fit(&once.samples, once.rate_hz, Settings::default(), Layout::default());
         assert!(matches!(refused, Err(StrikesError::TooFew { .. } | StrikesError::NoModes)), "{refused:?}");
-        let refused = fit(&noise[..100], 44_100.0, Settings::default());
+        let refused = fit(&noise[..100], 44_100.0, Settings::default(), Layout::default());
         assert!(matches!(refused, Err(StrikesError::TooShort { .. })), "{refused:?}");
     }
 }

@@ -63,7 +63,13 @@ fn samples_in(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz) as usize
 }
 
-fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64) -> Vec<Range<usize>> {
+fn loudest_stretches(
+    samples: &[f64],
+    onsets: &[usize],
+    guard: Guard,
+    rate_hz: f64,
+    most: usize,
+) -> Vec<Range<usize>> {
     let mut chosen: Vec<Range<usize>> = stretches(onsets, guard, samples.len(), rate_hz)
         .into_iter()
         .filter(|stretch| !stretch.is_empty())
@@ -71,7 +77,7 @@ fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f
         .collect();
     let energy = |stretch: &Range<usize>| samples[stretch.clone()].iter().map(|x| x * x).sum::<f64>();
     chosen.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
-    chosen.truncate(MOST_STRETCHES);
+    chosen.truncate(most);
     chosen.sort_by_key(|stretch| stretch.start);
     chosen
 }
@@ -86,7 +92,7 @@ pub(crate) fn free_modes(
     settings: Settings,
     known: &[Pole],
 ) -> Option<FreeModes> {
-    let chosen = loudest_stretches(samples, onsets, guard, rate_hz);
+    let chosen = loudest_stretches(samples, onsets, guard, rate_hz, MOST_STRETCHES);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
     let range = search_range(length, rate_hz, settings);
@@ -154,6 +160,20 @@ fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
     let of_group = |index: usize| model.residual(index, &groups[index].stretches[0]);
     (0..groups.len()).into_par_iter().map(of_group).collect()
 }
+
+/// Modes that ring in what a model leaves between its strikes, each stretch with an amplitude of
+/// its own; the most significant first.
+pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settings: Settings) -> Vec<Pole> {
+    let chosen = loudest_stretches(residual, onsets, Guard::OF_CHANGE, rate_hz, MOST_LEFT_OVER);
+    let Some(length) = chosen.iter().map(Range::len).max() else { return Vec::new() };
+    let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
+    let noise = NoiseFloor::of_residual(&residuals.concat());
+    let range = search_range(length, rate_hz, settings);
+    search(&residuals, &noise, range, threshold(residuals.len(), residual.len()), settings.most_modes)
+}
+
+/// Maximum number of stretches in which left over modes are searched for.
+const MOST_LEFT_OVER: usize = 28;
 
 /// Range of the search in stretches of up to `length` samples.
 pub(crate) fn search_range(length: usize, rate_hz: f64, settings: Settings) -> SearchRange {
