@@ -26,7 +26,13 @@ const FAR_MORE: f64 = 8.0;
 /// The model with the strikes that stand out of what it leaves, or if there are none, the modes.
 ///
 /// A missed or misplaced strike rings in many modes, so that modes are looked for last.
-pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings: Settings) -> Model {
+pub(crate) fn completed(
+    fitted: &Fitted,
+    samples: &[f64],
+    whitening: &Whitening,
+    rate_hz: f64,
+    settings: Settings,
+) -> Model {
     let mut model = fitted.model.clone();
     let (misplaced, variance) = misplaced(fitted, rate_hz);
     let mut places = 0..;
@@ -36,7 +42,9 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
         let apart = |strike: &Strike| (strike.contact.middle - at as f64).abs() / rate_hz;
         model.strikes.iter().any(|strike| apart(strike) < KNOWN_S)
     };
-    let found = changes(&left, &model.poles, rate_hz, variance).into_iter().filter(|(at, _)| !is_known(*at));
+    let white = whitening.filtered(&left, 0..left.len());
+    let found =
+        changes(&white, &model.poles, rate_hz, fitted.noise_rms().powi(2)).into_iter().filter(|(at, _)| !is_known(*at));
     let missing: Vec<Strike> =
         found.filter_map(|(at, _)| missing_strike(&model, &left, at, rate_hz, variance)).collect();
     let is_complete = missing.is_empty() && misplaced.is_empty();
@@ -47,7 +55,8 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
         let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
         // Gains that differ from strike to strike have no sum that all strikes share.
         let poles = if model.places() > 1 || model.owners.iter().any(Option::is_some) {
-            let onsets: Vec<usize> = model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+            let onsets: Vec<usize> =
+                model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
             left_over(&left, &onsets, rate_hz, few)
         } else {
             tied_modes(&model, &left, rate_hz, few)

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use serde::Serialize;
 
+use super::Layout;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
-use super::Layout;
 use super::fit::fit;
 use super::spline::Weights;
 use crate::modes::Settings;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Layout;
 use super::alignment::{aligned, alternatives};
 use super::changes::changes;
 use super::completion::{completed, worthy};
@@ -9,10 +10,9 @@ use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::error::StrikesError;
 use super::free::{Guard, free_modes};
 use super::model::Model;
-use super::rises::rises;
-use super::Layout;
 use super::places::starts_at_places;
-use super::start::{changes_of, starts};
+use super::rises::rises;
+use super::start::{White, changes_of, starts};
 use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;
@@ -25,6 +25,11 @@ const ALIGNED: usize = 14;
 const DESCENDED: usize = 3;
 /// Ratio to the noise between strikes of what a model leaves from which no other start is tried.
 const EXPLAINED: f64 = 1.1;
+/// Energy in units of the noise by which a coarse descent may be worse than the best fit, and still
+/// be continued.
+const FAR_OFF: f64 = 50.0;
+/// Relative difference of what two starting models leave up to which they are one.
+const SAME: f64 = 1e-6;
 /// Maximum number of rounds of modes and strikes in turn.
 const ROUNDS: usize = 4;
 /// Time in seconds by which no strike moves in a round that ends them.
@@ -67,7 +72,10 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings, layout: Lay
     let (mut free, mut onsets) = (free, onsets);
     for _ in 0..ROUNDS {
         let changed: Vec<usize> =
-            changes(samples, &free.poles, rate_hz, free.variance).into_iter().map(|change| change.0).collect();
+            changes(&filtered(samples, &free.whitening), &free.poles, rate_hz, free.white_variance)
+                .into_iter()
+                .map(|change| change.0)
+                .collect();
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
         onsets = changed;
@@ -81,19 +89,23 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings, layout: Lay
     if onsets.len() < LEAST_STRIKES {
         return Err(StrikesError::TooFew { found: onsets.len() });
     }
+    let whole = filtered(samples, &free.whitening);
+    let white = White { samples: &whole, whitening: &free.whitening, variance: free.white_variance };
     let starts = if layout == Layout::default() {
-        starts(samples, &onsets, &free.poles, rate_hz, free.variance)
+        starts(&white, &onsets, &free.poles, rate_hz)
     } else {
-        let changes = changes_of(samples, &onsets, &free.poles, rate_hz, free.variance);
+        let changes = changes_of(&white, &onsets, &free.poles, rate_hz);
         starts_at_places(&changes, &free.poles, rate_hz, layout)
     };
     let mut aligned: Vec<(f64, Model)> =
         starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let white = Whitening::none();
+    // Trials that ended in one model.
+    aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
+    let none = Whitening::none();
     let mut best: Option<Fitted> = None;
     for (_, start) in aligned.into_iter().take(DESCENDED) {
-        let done = descend(Fitted::new(start, samples, &white), samples, &white, Ending::COARSE);
+        let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
         let is_good = done.noise_rms().powi(2) < EXPLAINED * free.variance;
         if best.as_ref().is_none_or(|best| done.energy < best.energy) {
             best = Some(done);
@@ -103,14 +115,14 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings, layout: Lay
         }
     }
     let best = best.ok_or(StrikesError::TooFew { found: 0 })?;
-    let (mut fitted, mut whitening) = (at_best_time(best, samples, &white), white);
+    let (mut fitted, mut whitening) = (at_best_time(best, samples, &none), none);
     let mut stalled = 0;
     for _ in 0..COMPLETIONS {
         let before = (fitted.model.poles.len(), fitted.model.strikes.len());
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
-        let model = with_strikers(&fitted, samples, rate_hz, layout);
-        fitted = Fitted::new(model, samples, &whitening);
-        let more = completed(&fitted, samples, rate_hz, settings);
+        fitted = Fitted::new(fitted.model, samples, &whitening);
+        fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
+        let more = completed(&fitted, samples, &whitening, rate_hz, settings);
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         for _ in 0..PRUNINGS {
@@ -143,24 +155,34 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings, layout: Lay
     Ok(JointFit { fitted, deviations })
 }
 
-/// The model with strikers told apart by its contacts, and with their own modes.
-fn with_strikers(fitted: &Fitted, samples: &[f64], rate_hz: f64, layout: Layout) -> Model {
-    let model = &fitted.model;
+fn filtered(samples: &[f64], whitening: &Whitening) -> Vec<f64> {
+    whitening.filtered(samples, 0..samples.len())
+}
+
+/// The fit with strikers told apart by its contacts, and with their own modes.
+fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
     if layout.strikers < 2 {
-        return model.clone();
+        return fitted;
     }
+    let model = &fitted.model;
     let onsets: Vec<usize> =
         model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
-    let variance = fitted.noise_rms().powi(2);
-    let changes = changes_of(samples, &onsets, &model.poles, rate_hz, variance);
-    assigned(model, &changes, layout.strikers, layout.positions, rate_hz)
+    let whole = filtered(samples, whitening);
+    let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
+    let changes = changes_of(&white, &onsets, &model.poles, rate_hz);
+    let next = assigned(model, &changes, layout.strikers, layout.positions, rate_hz);
+    if next == *model { fitted } else { Fitted::new(next, samples, whitening) }
 }
 
 /// The best of a fit and of those with all contacts at another time.
 fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let mut best = fitted;
     for other in alternatives(&best.model, &best.residual) {
-        let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::FINE);
+        let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::COARSE);
+        if other.energy > best.energy + FAR_OFF * best.noise_rms().powi(2) {
+            continue;
+        }
+        let other = descend(other, samples, whitening, Ending::FINE);
         if other.energy < best.energy {
             best = other;
         }
@@ -187,7 +209,8 @@ mod tests {
     fn a_set_of_known_strikes_is_found_whole_and_to_the_noise() {
         let sound = plain(8, 6.0, 10, -60.0);
         let truth = model_of(&sound);
-        let joint = fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default()).expect("strikes are told");
+        let joint =
+            fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default()).expect("strikes are told");
         let model = &joint.fitted.model;
         assert_eq!((model.strikes.len(), model.acceleration), (10, 0.0));
         assert!(model.poles.len() <= truth.poles.len() && model.poles.len() + 1 >= truth.poles.len());

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::whitening::Whitening;
 use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine, standing_out};
 use crate::parabola;
 
@@ -27,11 +28,14 @@ impl Guard {
     pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006 };
 }
 
-/// Poles, and the variance of what they leave between strikes.
+/// Poles, and what they leave between strikes: its variance, and the filter that makes it white.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeModes {
     pub(crate) poles: Vec<Pole>,
     pub(crate) variance: f64,
+    pub(crate) whitening: Whitening,
+    /// Variance of what is left, filtered.
+    pub(crate) white_variance: f64,
 }
 
 /// Number of stretches, those of most significance, that do not count for a mode.
@@ -63,13 +67,7 @@ fn samples_in(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz) as usize
 }
 
-fn loudest_stretches(
-    samples: &[f64],
-    onsets: &[usize],
-    guard: Guard,
-    rate_hz: f64,
-    most: usize,
-) -> Vec<Range<usize>> {
+fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64, most: usize) -> Vec<Range<usize>> {
     let mut chosen: Vec<Range<usize>> = stretches(onsets, guard, samples.len(), rate_hz)
         .into_iter()
         .filter(|stretch| !stretch.is_empty())
@@ -116,17 +114,24 @@ pub(crate) fn free_modes(
         let Some(more) = pruned(&groups, more, &noise, range, threshold) else { break };
         model = more;
     }
-    let mut powers: Vec<f64> = residuals(&groups, &model)
-        .iter()
-        .map(|left| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64)
-        .collect();
-    powers.sort_by(f64::total_cmp);
-    let variance = powers[powers.len() / 4].max(LEAST_VARIANCE);
+    // A stretch with a missed strike in it tells no noise.
+    let mut quiet = residuals(&groups, &model);
+    let power = |left: &Vec<f64>| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64;
+    quiet.sort_by(|a, b| power(a).total_cmp(&power(b)));
+    let variance = power(&quiet[quiet.len() / 4]).max(LEAST_VARIANCE);
+    quiet.truncate(quiet.len() / 2 + 1);
+    let whitening = Whitening::of_residual(&quiet.concat(), WHITENING);
+    let mut white: Vec<f64> =
+        quiet.iter().map(|left| power(&whitening.filtered(left, whitening.order()..left.len()))).collect();
+    white.sort_by(f64::total_cmp);
+    let white_variance = white[white.len() / 2].max(LEAST_VARIANCE);
     let mut poles = model.poles;
     poles.sort_by(|a, b| a.angular.total_cmp(&b.angular));
-    Some(FreeModes { poles, variance })
+    Some(FreeModes { poles, variance, whitening, white_variance })
 }
 
+/// Order of the filter that makes the noise between strikes white.
+const WHITENING: usize = 12;
 /// Least variance of the noise: that of 24 bits.
 const LEAST_VARIANCE: f64 = 1e-15;
 

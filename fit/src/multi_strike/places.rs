@@ -58,13 +58,14 @@ struct Trial {
 pub(crate) fn starts_at_places(changes: &[Change], poles: &[Pole], rate_hz: f64, layout: Layout) -> Vec<Model> {
     let exponents: Vec<C64> = poles.iter().map(|pole| C64::new(-pole.decay, pole.angular)).collect();
     let Some((shifts, phases)) = timed(changes, &exponents, rate_hz) else { return Vec::new() };
-    let turned: Vec<Turned> = changes.iter().zip(&shifts).map(|(change, shift)| turned(change, *shift, &exponents, &phases)).collect();
-    let loudness = |strike: &Turned| {
-        strike.values.iter().zip(&strike.variances).map(|(x, v)| (1.0 + x * x / v).ln()).sum::<f64>()
-    };
+    let turned: Vec<Turned> =
+        changes.iter().zip(&shifts).map(|(change, shift)| turned(change, *shift, &exponents, &phases)).collect();
+    let loudness =
+        |strike: &Turned| strike.values.iter().zip(&strike.variances).map(|(x, v)| (1.0 + x * x / v).ln()).sum::<f64>();
     let strongest = (0..turned.len()).max_by(|a, b| loudness(&turned[*a]).total_cmp(&loudness(&turned[*b])));
     let strongest = strongest.unwrap_or(0);
-    let search = Search { changes, turned: &turned, shifts: &shifts, phases: &phases, poles, exponents, rate_hz, layout };
+    let search =
+        Search { changes, turned: &turned, shifts: &shifts, phases: &phases, poles, exponents, rate_hz, layout };
     let mut found: Vec<(f64, Model)> =
         grid(TRIED, rate_hz).into_par_iter().map(|time| search.from_trial(strongest, time)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -121,8 +122,7 @@ fn doubled(change: &Change) -> Vec<C64> {
 fn turned(change: &Change, shift: f64, exponents: &[C64], phases: &[f64]) -> Turned {
     let turn = |mode: usize| (exponents[mode] * shift - C64::new(0.0, phases[mode])).exp();
     let values = change.amplitudes.iter().enumerate().map(|(mode, a)| (a * turn(mode)).re).collect();
-    let variances =
-        change.variances.iter().enumerate().map(|(mode, v)| 0.5 * v * turn(mode).norm_sqr()).collect();
+    let variances = change.variances.iter().enumerate().map(|(mode, v)| 0.5 * v * turn(mode).norm_sqr()).collect();
     Turned { values, variances }
 }
 
@@ -256,7 +256,8 @@ impl Search<'_> {
         }
         for mode in 0..count {
             let weight = |x: f64, v: f64| x * x / (x * x + 4.0 * v);
-            let sum: f64 = shapes.iter().map(|strike| weight(strike[mode].0, strike[mode].1) * strike[mode].0.powi(2)).sum();
+            let sum: f64 =
+                shapes.iter().map(|strike| weight(strike[mode].0, strike[mode].1) * strike[mode].0.powi(2)).sum();
             let size: f64 = shapes.iter().map(|strike| weight(strike[mode].0, strike[mode].1)).sum();
             let mean = (sum / size.max(1e-300)).max(1e-300);
             shapes.iter_mut().for_each(|strike| strike[mode] = (strike[mode].0 / mean.sqrt(), strike[mode].1 / mean));
@@ -276,7 +277,8 @@ impl Search<'_> {
                 }
                 let shape = trial.peak * strength[mode];
                 let value = strike.values[mode];
-                let weight = 1.0 / (strike.variances[mode] + (tolerance * value).powi(2) + (0.1 * tolerance * shape * 1e-6).powi(2));
+                let weight = 1.0
+                    / (strike.variances[mode] + (tolerance * value).powi(2) + (0.1 * tolerance * shape * 1e-6).powi(2));
                 let weights = Weights::at(trial.position, size);
                 for (a, x) in weights.values().iter().enumerate() {
                     right[weights.first + a] += weight * shape * x * value;
@@ -293,7 +295,14 @@ impl Search<'_> {
     }
 
     /// What a contact leaves of a strike's amplitudes, with the peak that leaves least.
-    fn misfit(&self, index: usize, trial: Trial, gains: &[Vec<f64>], owners: &[Option<usize>], tolerance: f64) -> (f64, f64) {
+    fn misfit(
+        &self,
+        index: usize,
+        trial: Trial,
+        gains: &[Vec<f64>],
+        owners: &[Option<usize>],
+        tolerance: f64,
+    ) -> (f64, f64) {
         let strengths = self.strengths(trial.time);
         let shapes = (0..gains.len()).map(|mode| {
             let is_heard = owners[mode].is_none_or(|owner| owner == trial.striker);
@@ -315,7 +324,14 @@ impl Search<'_> {
     }
 
     /// Improves contact time, position and peak of each strike at given gains.
-    fn improve(&self, trials: &mut [Trial], gains: &[Vec<f64>], owners: &[Option<usize>], tolerance: f64, is_fine: bool) {
+    fn improve(
+        &self,
+        trials: &mut [Trial],
+        gains: &[Vec<f64>],
+        owners: &[Option<usize>],
+        tolerance: f64,
+        is_fine: bool,
+    ) {
         let times = grid(TIMES, self.rate_hz);
         let strengths: Vec<Vec<f64>> = times.iter().map(|time| self.strengths(*time)).collect();
         let count = if self.layout.positions < 2 { 1 } else { POSITIONS };
@@ -323,7 +339,8 @@ impl Search<'_> {
         let at_places: Vec<Vec<f64>> =
             places.iter().map(|place| gains.iter().map(|gains| value(gains, *place)).collect()).collect();
         for (index, trial) in trials.iter_mut().enumerate() {
-            let is_heard: Vec<bool> = owners.iter().map(|owner| owner.is_none_or(|owner| owner == trial.striker)).collect();
+            let is_heard: Vec<bool> =
+                owners.iter().map(|owner| owner.is_none_or(|owner| owner == trial.striker)).collect();
             let mut best = self.misfit(index, *trial, gains, owners, tolerance);
             trial.peak = best.1.max(1e-12);
             for (time, strengths) in times.iter().zip(&strengths) {
@@ -340,7 +357,16 @@ impl Search<'_> {
             let (mut ratio, mut reach) = (1.1, if count > 1 { 0.02 } else { 0.0 });
             for _ in 0..if is_fine { 2 * HALVINGS } else { HALVINGS } {
                 let center = *trial;
-                for (time, position) in [(ratio, 0.0), (1.0 / ratio, 0.0), (1.0, reach), (1.0, -reach), (ratio, reach), (1.0 / ratio, -reach), (ratio, -reach), (1.0 / ratio, reach)] {
+                for (time, position) in [
+                    (ratio, 0.0),
+                    (1.0 / ratio, 0.0),
+                    (1.0, reach),
+                    (1.0, -reach),
+                    (ratio, reach),
+                    (1.0 / ratio, -reach),
+                    (ratio, -reach),
+                    (1.0 / ratio, reach),
+                ] {
                     let next = Trial {
                         time: center.time * time,
                         position: (center.position + position).clamp(0.0, 1.0),

@@ -27,8 +27,7 @@ pub(crate) fn positions(shapes: &[Vec<(f64, f64)>]) -> Vec<f64> {
     };
     let mut ties = DMatrix::<f64>::zeros(count, count);
     for a in 0..count {
-        let mut others: Vec<(f64, usize)> =
-            (0..count).filter(|b| *b != a).map(|b| (distance(a, b), b)).collect();
+        let mut others: Vec<(f64, usize)> = (0..count).filter(|b| *b != a).map(|b| (distance(a, b), b)).collect();
         others.sort_by(|x, y| x.0.total_cmp(&y.0));
         let scale = others.get(NEIGHBOURS.min(others.len()) - 1).map_or(1.0, |(far, _)| *far) + 1e-9;
         for (far, b) in others.into_iter().take(NEIGHBOURS) {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::contact::{Contact, strength};
 use super::free::{Guard, amplitudes, energy_of, stretches};
 use super::model::{Model, Strike};
+use super::whitening::Whitening;
 use crate::modes::Pole;
 
 type C64 = Complex<f64>;
@@ -45,13 +46,20 @@ pub(super) struct Change {
     pub(super) variances: Vec<f64>,
 }
 
+/// A whitened recording with its filter, and the variance of its noise.
+pub(crate) struct White<'a> {
+    pub(crate) samples: &'a [f64],
+    pub(crate) whitening: &'a Whitening,
+    pub(crate) variance: f64,
+}
+
 /// Starting models from the strikes near `onsets`, one for each contact time tried, with misfits.
 ///
 /// The best fitting comes first. Strikes too close to their neighbours for an amplitude of their
 /// own are left out.
-pub(crate) fn starts(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<Model> {
-    let poles = &steady(&changes_of(samples, onsets, poles, rate_hz, variance), poles);
-    let changes = changes_of(samples, onsets, poles, rate_hz, variance);
+pub(crate) fn starts(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64) -> Vec<Model> {
+    let poles = &steady(&changes_of(white, onsets, poles, rate_hz), poles);
+    let changes = changes_of(white, onsets, poles, rate_hz);
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
@@ -70,7 +78,7 @@ pub(crate) fn starts(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz:
 }
 
 /// Modes that most strikes ring; modes of one stretch alone are errors of that stretch.
-pub(super) fn steady(changes: &[Change], poles: &[Pole]) -> Vec<Pole> {
+fn steady(changes: &[Change], poles: &[Pole]) -> Vec<Pole> {
     let significance = |mode: usize| {
         let mut all: Vec<f64> =
             changes.iter().map(|change| change.amplitudes[mode].norm_sqr() / change.variances[mode]).collect();
@@ -138,18 +146,14 @@ pub(super) fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
     (0..count).map(tried).collect()
 }
 
-/// Changes of amplitudes by the strikes near `onsets`.
+/// Changes of amplitudes by the strikes near `onsets`, from the whitened recording.
 ///
 /// Strikes too close to their neighbours for an amplitude of their own are left out.
-pub(super) fn changes_of(
-    samples: &[f64],
-    onsets: &[usize],
-    poles: &[Pole],
-    rate_hz: f64,
-    variance: f64,
-) -> Vec<Change> {
-    let stretches = stretches(onsets, Guard::OF_CHANGE, samples.len(), rate_hz);
-    let amplitudes = amplitudes(samples, &stretches, poles);
+pub(super) fn changes_of(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64) -> Vec<Change> {
+    let variance = white.variance;
+    let stretches = stretches(onsets, Guard::OF_CHANGE, white.samples.len(), rate_hz);
+    let amplitudes = amplitudes(white.samples, &stretches, poles);
+    let responses: Vec<C64> = poles.iter().map(|&pole| white.whitening.response(pole)[0]).collect();
     let mut changes = Vec::new();
     // Stretch before the strike whose amplitudes are known.
     let mut before: Option<usize> = None;
@@ -173,6 +177,9 @@ pub(super) fn changes_of(
             sums.push(sum);
         }
         before = Some(index);
+        // The filter scales each mode.
+        sums.iter_mut().zip(&responses).for_each(|(sum, response)| *sum /= response);
+        variances.iter_mut().zip(&responses).for_each(|(variance, response)| *variance /= response.norm_sqr());
         if is_alone {
             changes.push(Change { at, amplitudes: sums, variances });
         }

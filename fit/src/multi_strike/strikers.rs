@@ -55,9 +55,8 @@ pub(crate) fn assigned(model: &Model, changes: &[Change], count: usize, places: 
     assigned.strikes.iter_mut().zip(strikers).for_each(|(strike, striker)| strike.striker = striker);
     let pairs: Vec<(&Change, &Strike)> =
         changes.iter().filter_map(|change| Some((change, made_by(change, &assigned.strikes, rate_hz)?))).collect();
-    let owned: Vec<(Option<usize>, Vec<C64>)> = (0..model.poles.len())
-        .map(|mode| owner(&pairs, mode, model.exponent(mode), count, places))
-        .collect();
+    let owned: Vec<(Option<usize>, Vec<C64>)> =
+        (0..model.poles.len()).map(|mode| owner(&pairs, mode, model.exponent(mode), count, places)).collect();
     for (mode, (owner, gains)) in owned.into_iter().enumerate() {
         if owner != assigned.owners[mode] {
             (assigned.owners[mode], assigned.gains[mode]) = (owner, gains);
@@ -140,16 +139,19 @@ fn along_object(seen: &[(C64, C64, f64, &Strike)], places: usize) -> (Vec<C64>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi_strike::start::changes_of;
+    use crate::multi_strike::start::{White, changes_of};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
+    use crate::multi_strike::whitening::Whitening;
 
     #[test]
     fn strikers_and_their_own_modes_are_told_of_true_contacts() {
         let sound = at_places(2, 20.0, 30);
         let truth = model_of(&sound);
         let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
-        let changes = changes_of(&sound.samples, &onsets, &truth.poles, sound.rate_hz, sound.noise_rms.powi(2));
+        let whitening = Whitening::none();
+        let white = White { samples: &sound.samples, whitening: &whitening, variance: sound.noise_rms.powi(2) };
+        let changes = changes_of(&white, &onsets, &truth.poles, sound.rate_hz);
         let mut model = truth.clone();
         model.owners.fill(None);
         model.strikes.iter_mut().for_each(|strike| strike.striker = 0);

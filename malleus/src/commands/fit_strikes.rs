@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::audio;
-use ::fit::multi_strike::{self, Estimate};
+use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
 use serde::Serialize;
 
@@ -32,7 +32,8 @@ pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, events: &Path) 
     let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
     let mut settings = ::fit::modes::Settings::default();
     settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
-    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings)
+    let layout = Layout { positions: usize::from(arguments.positions), strikers: usize::from(arguments.strikers) };
+    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings, layout)
         .map_err(|error| format!("{}: {error}", job.input.display()))?;
     let provenance = provenance(&job.input, &estimate, arguments);
     let table = multi_strike::table(&estimate, &provenance);

@@ -225,8 +225,10 @@ mod tests {
 
     #[test]
     fn motion_under_a_half_sine_is_the_convolution_with_it() {
-        let mode = TrueMode { frequency_hz: 1_700.0, decay_per_s: 40.0, gain: [0.8, -0.3], shape: [0.3, 0.1], striker: None };
-        let strike = TrueStrike { at_s: 10.3 / RATE_HZ, contact_time_s: 0.7e-3, peak_force: 0.5, position: 0.4, striker: 0 };
+        let mode =
+            TrueMode { frequency_hz: 1_700.0, decay_per_s: 40.0, gain: [0.8, -0.3], shape: [0.3, 0.1], striker: None };
+        let strike =
+            TrueStrike { at_s: 10.3 / RATE_HZ, contact_time_s: 0.7e-3, peak_force: 0.5, position: 0.4, striker: 0 };
         let mut samples = vec![0.0; 200];
         add_response(&mode, &strike, &mut samples);
         for (n, given) in samples.iter().enumerate() {

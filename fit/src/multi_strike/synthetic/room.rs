@@ -90,4 +90,3 @@ fn convolved(samples: &[f64], response: &[f64]) -> Vec<f64> {
     sound.iter_mut().for_each(|x| *x /= size as f64);
     sound
 }
-
