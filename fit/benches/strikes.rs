@@ -195,7 +195,7 @@ fn growth() {
     let seconds_of = |seconds: f64, count: usize| {
         let sound = plain(101, seconds, count, -60.0);
         let start = ProcessTime::now();
-        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), Layout::default());
+        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), |_| {});
         let taken = start.elapsed().as_secs_f64();
         println!(
             "{seconds} s, {count} strikes: {taken:.1} s of CPU time, {} strikes found",
@@ -214,7 +214,7 @@ fn measure(name: &str, seeds: std::ops::Range<u64>, layout: Layout, sound: impl 
     for seed in seeds {
         let sound = sound(seed);
         let start = ProcessTime::now();
-        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), layout);
+        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), layout, |_| {});
         let seconds = start.elapsed().as_secs_f64();
         match (fitted, cramer_rao(&sound)) {
             (Ok(fitted), Some(bounds)) => {

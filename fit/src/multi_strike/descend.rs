@@ -237,13 +237,16 @@ mod tests {
     use crate::random::SplitMix64;
 
     fn random_model(random: &mut SplitMix64, places: usize, strikers: usize) -> Model {
-        let pole = |index: u32| Pole {
-            decay: 2e-3 * (1.0 + f64::from(index)),
-            angular: 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform(),
-        };
-        let poles: Vec<Pole> = (0..3).map(pole).collect();
-        let gains =
-            (0..3).map(|_| (0..places).map(|_| Complex::new(random.normal(), random.normal())).collect()).collect();
+        let mut poles: Vec<Pole> = Vec::new();
+        for index in 0..4 {
+            let angular = 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform();
+            poles.push(Pole { decay: 2e-3 * (1.0 + f64::from(index)), angular });
+        }
+        let own = poles.split_off(3)[0];
+        let mut gains = vec![Vec::new(); 3];
+        for gains in &mut gains {
+            gains.extend((0..places).map(|_| Complex::new(random.normal(), random.normal())));
+        }
         let strikes = [100.3, 420.7, 450.1, 800.2].map(|middle| Strike {
             contact: Contact {
                 middle: middle + random.uniform(),
@@ -257,7 +260,7 @@ mod tests {
         let mut model = Model { poles, gains, owners, acceleration: 0.7, strikes: strikes.to_vec() };
         if strikers > 1 {
             model.strikes[1].striker = 1;
-            model.push(pole(3), Complex::new(0.6, -0.8), Some(1));
+            model.push(own, Complex::new(0.6, -0.8), Some(1));
         }
         model
     }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Layout;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
-use super::fit::fit;
+use super::fit::{fit, is_clipped};
 use super::spline::Weights;
 use crate::modes::Settings;
 
@@ -101,20 +101,25 @@ pub struct Estimate {
 /// Fits all strikes of a recording together, by maximum likelihood.
 ///
 /// Full scale of `samples` is 1. The model has one thing, struck at places and with strikers as the
-/// layout says, and forces that are half-sines. Time and memory grow in proportion to the length (docs/multi-strike.md has
-/// the accuracy and the cost).
+/// layout says, and forces that are half-sines. Time and memory grow in proportion to the length
+/// (docs/multi-strike.md has the accuracy and the cost). `told` gets the share of the work that is
+/// done, from 0 to 1, and never less than before.
 ///
 /// # Errors
-/// [`StrikesError`] if fewer than two strikes are heard, or if they cannot be told apart.
-pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings, layout: Layout) -> Result<Estimate, StrikesError> {
-    let joint = fit(samples, rate_hz, settings, layout)?;
+/// [`StrikesError`] if fewer than two strikes are heard or far too many, if they cannot be told
+/// apart, or if one thing and its strikes explain too little of the recording.
+pub fn estimate(
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: impl Fn(f64),
+) -> Result<Estimate, StrikesError> {
+    let joint = fit(samples, rate_hz, settings, layout, &told)?;
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
     let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     for strike in &mut estimate.strikes {
-        let from = (strike.at_s * rate_hz).max(0.0) as usize;
-        let attack = &samples[from.min(samples.len())..(from + (0.02 * rate_hz) as usize).min(samples.len())];
-        let stands = |three: &[f64]| three.iter().all(|x| *x == three[0] && x.abs() >= 0.999 * largest);
-        strike.is_clipped = attack.windows(3).any(stands);
+        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
     }
     Ok(estimate)
 }

@@ -23,6 +23,8 @@ mod error;
 mod estimate;
 mod fit;
 mod free;
+#[cfg(test)]
+mod hard_cases;
 mod model;
 mod places;
 mod ringing;

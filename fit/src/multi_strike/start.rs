@@ -55,11 +55,21 @@ pub(crate) struct White<'a> {
 
 /// Starting models from the strikes near `onsets`, one for each contact time tried, with misfits.
 ///
-/// The best fitting comes first. Strikes too close to their neighbours for an amplitude of their
-/// own are left out.
-pub(crate) fn starts(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64) -> Vec<Model> {
-    let poles = &steady(&changes_of(white, onsets, poles, rate_hz), poles);
-    let changes = changes_of(white, onsets, poles, rate_hz);
+/// The best fitting comes first. Strikes that are not among the usable ones are left out, and those
+/// too close to their neighbours for an amplitude of their own.
+pub(crate) fn starts(
+    white: &White<'_>,
+    (onsets, usable): (&[usize], &[usize]),
+    poles: &[Pole],
+    rate_hz: f64,
+) -> Vec<Model> {
+    let usable_changes = |poles: &[Pole]| {
+        let mut changes = changes_of(white, onsets, poles, rate_hz);
+        changes.retain(|change| usable.contains(&change.at));
+        changes
+    };
+    let poles = &steady(&usable_changes(poles), poles);
+    let changes = usable_changes(poles);
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
