@@ -90,8 +90,12 @@ pub(crate) fn fit(
     }
     let (mut fitted, whitening) =
         with_all(first, samples, rate_hz, settings, layout, &|share| told(0.5 + 0.35 * share))?;
-    if fitted.model.strikes.len() < LEAST_STRIKES {
-        return Err(StrikesError::TooFew { found: fitted.model.strikes.len() });
+    let found = fitted.model.strikes.len();
+    if found < LEAST_STRIKES && all.len() > MANY_RISES {
+        return Err(StrikesError::Unclear { found, rises: all.len() });
+    }
+    if found < LEAST_STRIKES {
+        return Err(StrikesError::TooFew { found });
     }
     refuse_unexplained(&fitted, samples, UNEXPLAINED)?;
     fitted = descend(fitted, samples, &whitening, Ending::FINE);

@@ -9,8 +9,9 @@
 //!                                                            └──── completion ◄───┘
 //! ```
 //!
-//! [`estimate()`] needs no start and no knowledge of the forces. The folder `joint` fits modes
-//! and noise of one strike together; this one fits many strikes.
+//! With positions or several strikers `places` stands where `start` does. [`estimate()`] needs no
+//! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
+//! one fits many strikes.
 
 mod alignment;
 mod arrow;
@@ -36,6 +37,7 @@ mod strikers;
 pub mod synthetic;
 mod table;
 mod tied;
+mod timing;
 mod truth;
 mod whitening;
 

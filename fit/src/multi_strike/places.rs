@@ -15,8 +15,9 @@ use rayon::prelude::*;
 use super::contact::{Contact, strength};
 use super::model::{Model, Strike};
 use super::spline::Weights;
-use super::start::{Change, REACH_S, grid};
+use super::start::{Change, grid};
 use super::strikers::assigned;
+use super::timing::{Turned, timed, turned};
 use super::{Layout, seriation};
 use crate::modes::Pole;
 
@@ -28,22 +29,12 @@ const TRIED: usize = 16;
 const TIMES: usize = 40;
 /// Number of positions on a strike's own grid.
 const POSITIONS: usize = 41;
-/// Step of δ in samples.
-const STEP: f64 = 0.25;
-/// Number of rounds of times and phases in turn.
-const TIMING_ROUNDS: usize = 6;
 /// Errors of a modelled amplitude that are allowed for in each round, as shares of it.
 const TOLERANCES: [f64; 12] = [0.5, 0.4, 0.3, 0.25, 0.2, 0.15, 0.12, 0.1, 0.08, 0.06, 0.05, 0.05];
 /// Round from which on a mode may be a striker's own.
 const OWNED_FROM: usize = 3;
 /// Number of halvings of the steps about the best point of the grid.
 const HALVINGS: usize = 5;
-
-/// Amplitudes of a strike, turned to the middle of its contact and to the modes' phases.
-struct Turned {
-    values: Vec<f64>,
-    variances: Vec<f64>,
-}
 
 /// Contact time, position and peak of a strike while they are improved.
 #[derive(Clone, Copy, Debug)]
@@ -67,63 +58,9 @@ pub(crate) fn starts_at_places(changes: &[Change], poles: &[Pole], rate_hz: f64,
     let search =
         Search { changes, turned: &turned, shifts: &shifts, phases: &phases, poles, exponents, rate_hz, layout };
     let mut found: Vec<(f64, Model)> =
-        grid(TRIED, rate_hz).into_par_iter().map(|time| search.from_trial(strongest, time)).collect();
+        grid(TRIED, rate_hz).into_par_iter().map(|time| search.of_trial(strongest, time)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
-}
-
-/// Time of each contact's middle behind its moment, and the phase of each mode.
-fn timed(changes: &[Change], exponents: &[C64], rate_hz: f64) -> Option<(Vec<f64>, Vec<f64>)> {
-    let doubled: Vec<Vec<C64>> = changes.iter().map(doubled).collect();
-    let size = |strike: &Vec<C64>| strike.iter().map(|x| x.norm()).sum::<f64>();
-    let first = doubled.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let mut phases: Vec<C64> = first.clone();
-    let mut shifts = vec![0.0; changes.len()];
-    let steps = ((REACH_S[0] + REACH_S[1]) * rate_hz / STEP) as usize;
-    for _ in 0..TIMING_ROUNDS {
-        shifts = doubled
-            .par_iter()
-            .map(|strike| {
-                let mut along: Vec<C64> = (strike.iter().zip(&phases).zip(exponents))
-                    .map(|((x, phase), s)| x * phase.conj() * C64::new(0.0, -2.0 * s.im * REACH_S[0] * rate_hz).exp())
-                    .collect();
-                let turns: Vec<C64> = exponents.iter().map(|s| C64::new(0.0, 2.0 * s.im * STEP).exp()).collect();
-                let mut best = (f64::NEG_INFINITY, 0.0);
-                for step in 0..steps {
-                    let sum: f64 = along.iter().map(|x| x.re).sum();
-                    if sum > best.0 {
-                        best = (sum, step as f64 * STEP - REACH_S[0] * rate_hz);
-                    }
-                    along.iter_mut().zip(&turns).for_each(|(x, turn)| *x *= turn);
-                }
-                best.1
-            })
-            .collect();
-        for (mode, phase) in phases.iter_mut().enumerate() {
-            let turn = |shift: f64| C64::new(0.0, 2.0 * exponents[mode].im * shift).exp();
-            let sum: C64 = doubled.iter().zip(&shifts).map(|(strike, shift)| strike[mode] * turn(*shift)).sum();
-            let weight: f64 = doubled.iter().map(|strike| strike[mode].norm()).sum();
-            // A mode whose phases do not agree tells no times.
-            *phase = sum / weight.max(1e-300);
-        }
-    }
-    Some((shifts, phases.into_iter().map(|phase| 0.5 * phase.arg()).collect()))
-}
-
-/// Squares of the amplitudes' phases, each with the share of the amplitude that is no noise.
-fn doubled(change: &Change) -> Vec<C64> {
-    let of_mode = |(amplitude, variance): (&C64, &f64)| {
-        let energy = amplitude.norm_sqr();
-        amplitude * amplitude / energy.max(1e-300) * (energy / (energy + 4.0 * variance))
-    };
-    change.amplitudes.iter().zip(&change.variances).map(of_mode).collect()
-}
-
-fn turned(change: &Change, shift: f64, exponents: &[C64], phases: &[f64]) -> Turned {
-    let turn = |mode: usize| (exponents[mode] * shift - C64::new(0.0, phases[mode])).exp();
-    let values = change.amplitudes.iter().enumerate().map(|(mode, a)| (a * turn(mode)).re).collect();
-    let variances = change.variances.iter().enumerate().map(|(mode, v)| 0.5 * v * turn(mode).norm_sqr()).collect();
-    Turned { values, variances }
 }
 
 struct Search<'a> {
@@ -139,7 +76,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Model for a contact time of the strongest strike, with its misfit.
-    fn from_trial(&self, strongest: usize, time: f64) -> (f64, Model) {
+    fn of_trial(&self, strongest: usize, time: f64) -> (f64, Model) {
         let times = self.times(strongest, time);
         let positions = self.positions(&times);
         let mut trials: Vec<Trial> = (times.iter().zip(positions))
