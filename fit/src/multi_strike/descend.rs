@@ -191,6 +191,11 @@ pub(crate) struct Deviations {
     pub(crate) acceleration: f64,
     /// Covariance of middle, ln τ and ln m (and position) of each strike.
     pub(crate) strikes: Vec<DMatrix<f64>>,
+    /// Standard deviation of ln m of each strike with modes and gains held.
+    ///
+    /// Peaks of all strikes together may be uncertain, as they are up to a function of the position,
+    /// while each strike stands out.
+    pub(crate) held_peaks: Vec<f64>,
 }
 
 /// Cramer-Rao bounds of a model in its whitened residual, with that noise's rms.
@@ -205,6 +210,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     let model = &fitted.model;
     let mut strikes: Vec<DMatrix<f64>> =
         factor.covariances(model.strike_size()).into_iter().map(|block| block * variance).collect();
+    let held = factor.held_variances(model.strike_size(), 2);
     // The strongest strike fixes the unit of force.
     if let Some(held) = strikes.get_mut(model.strongest()) {
         held.row_mut(2).fill(0.0);
@@ -224,6 +230,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
         gains: modes.map(|mode| (0..model.gains[mode].len()).map(|place| of_gain(mode, place)).collect()).collect(),
         acceleration,
         strikes,
+        held_peaks: held.into_iter().map(|held| (held * variance).sqrt()).collect(),
     })
 }
 
