@@ -1,13 +1,13 @@
 //! Measures the joint fit on synthetic recordings of many strikes, beside the Cramer-Rao bounds.
 //!
-//! `cargo bench -p fit --bench strikes` prints medians over six seeds of two sets;
-//! `-- SEEDS FIRST` chooses the number of seeds and the first one.
+//! `cargo bench -p fit --bench strikes` prints medians over six seeds of three sets;
+//! `-- SEEDS FIRST` chooses the number of seeds and the first one, `-- SEEDS FIRST SET` one set of
+//! `plain`, `places` and `room`; `-- time` prints how time grows with the length.
 
-use std::time::Instant;
-
+use cpu_time::ProcessTime;
 use fit::modes::Settings;
-use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, in_room, plain};
-use fit::multi_strike::{Estimate, ModeEstimate, StrikeEstimate, cramer_rao, estimate};
+use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, at_places, in_room, plain};
+use fit::multi_strike::{Estimate, Layout, ModeEstimate, StrikeEstimate, cramer_rao, estimate};
 use fit::score::quantile;
 
 /// Largest distance in seconds of a found strike from the true one.
@@ -48,6 +48,7 @@ struct Tally {
     found: usize,
     strikes: usize,
     spurious: usize,
+    striker_right: usize,
     heard: usize,
     heard_found: usize,
     modes: usize,
@@ -67,7 +68,9 @@ impl Tally {
         self.left_db.push(fit.left_dbfs - 20.0 * sound.noise_rms.log10());
         self.modes += sound.modes.len();
         self.reported += fit.modes.len();
-        for (truth, bound) in sound.modes.iter().zip(&bounds.modes) {
+        for truth in &sound.modes {
+            let is_own = |bound: &&ModeEstimate| (bound.frequency_hz / truth.frequency_hz - 1.0).abs() < 1e-9;
+            let Some(bound) = bounds.modes.iter().find(is_own) else { continue };
             let cents = |mode: &ModeEstimate| 1200.0 * (mode.frequency_hz / truth.frequency_hz).log2();
             let nearest = fit.modes.iter().min_by(|a, b| cents(a).abs().total_cmp(&cents(b).abs()));
             let is_heard = 100.0 * bound.decay_per_s_sd / bound.decay_per_s < HEARD_PERCENT;
@@ -96,6 +99,7 @@ impl Tally {
         let ratios: Vec<f64> = pairs.iter().map(|(truth, strike, _)| ratio(truth, strike)).collect();
         let unit_db = quantile(&ratios, 0.5);
         for (truth, strike, bound) in pairs {
+            self.striker_right += usize::from(truth.striker == strike.striker);
             self.middle_us.add(
                 1e6 * (strike.middle_s - truth.middle_s()),
                 1e6 * bound.middle_s_sd,
@@ -140,13 +144,14 @@ impl Tally {
             self.heard,
             self.reported as f64 / self.modes.max(1) as f64
         );
+        println!("striker right {:.1} %", percent(self.striker_right, self.found));
         self.cents.print("frequency, cents");
         self.t60_percent.print("T60, %");
         self.middle_us.print("middle of contact, µs");
         self.contact_percent.print("contact time, %");
         self.peak_db.print("peak, dB");
         println!(
-            "left over the noise {:.3} dB, at most {:.3}; {:.1} s a fit, at most {:.1}",
+            "left over the noise {:.3} dB, at most {:.3}; {:.1} s of CPU time a fit, at most {:.1}",
             quantile(&self.left_db, 0.5),
             quantile(&self.left_db, 1.0),
             quantile(&self.seconds, 0.5),
@@ -156,24 +161,60 @@ impl Tally {
 }
 
 fn main() {
-    let numbers: Vec<u64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let words: Vec<String> = std::env::args().collect();
+    if words.iter().any(|word| word == "time") {
+        return growth();
+    }
+    let numbers: Vec<u64> = words.iter().filter_map(|argument| argument.parse().ok()).collect();
     let seeds = numbers.first().copied().unwrap_or(6);
     let first = numbers.get(1).copied().unwrap_or(101);
     let seeds = first..first + seeds;
-    let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
-    measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), of_plain);
-    let of_room = |seed: u64| in_room(seed, 30.0, 50);
-    measure("room: plain in a room, pink noise -56 dBFS; bounds without the room", seeds, of_room);
+    let is_chosen = |set: &str| {
+        words.iter().any(|word| word == set)
+            || !["plain", "places", "room"].iter().any(|any| words.iter().any(|word| word == any))
+    };
+    let one_place = Layout::default();
+    if is_chosen("plain") {
+        let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
+        measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), one_place, of_plain);
+    }
+    if is_chosen("places") {
+        let of_places = |seed: u64| at_places(seed, 60.0, 90);
+        let layout = Layout { positions: 8, strikers: 2 };
+        measure("places: 90 strikes in 60 s, pink noise -60 dBFS; 8 positions", seeds.clone(), layout, of_places);
+    }
+    if is_chosen("room") {
+        let of_room = |seed: u64| in_room(seed, 30.0, 50);
+        let name = "room: plain in a room, pink noise -56 dBFS; bounds without the room";
+        measure(name, seeds, one_place, of_room);
+    }
+}
+
+/// Prints the CPU time of a plain recording, and that of one twice as long.
+fn growth() {
+    let seconds_of = |seconds: f64, count: usize| {
+        let sound = plain(101, seconds, count, -60.0);
+        let start = ProcessTime::now();
+        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), |_| {});
+        let taken = start.elapsed().as_secs_f64();
+        println!(
+            "{seconds} s, {count} strikes: {taken:.1} s of CPU time, {} strikes found",
+            fitted.map_or(0, |fit| fit.strikes.len())
+        );
+        taken
+    };
+    let (once, twice) = (seconds_of(30.0, 50), seconds_of(60.0, 100));
+    println!("twice as long takes {:.2} times", twice / once);
 }
 
 /// Fits a set of sounds, and prints the errors.
-fn measure(name: &str, seeds: std::ops::Range<u64>, sound: impl Fn(u64) -> StruckOften) {
+fn measure(name: &str, seeds: std::ops::Range<u64>, layout: Layout, sound: impl Fn(u64) -> StruckOften) {
     let mut tally = Tally::default();
     let (sets, mut fits) = (seeds.clone().count(), 0);
     for seed in seeds {
         let sound = sound(seed);
-        let start = Instant::now();
-        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default());
+        let start = ProcessTime::now();
+        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), layout, |_| {});
         let seconds = start.elapsed().as_secs_f64();
         match (fitted, cramer_rao(&sound)) {
             (Ok(fitted), Some(bounds)) => {

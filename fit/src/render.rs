@@ -16,7 +16,7 @@ pub fn playable(table: &Kit) -> Kit {
         pads: vec![Pad {
             name: object.clone(),
             object,
-            strikers: table.strikers.first().map(|striker| striker.name.clone()).into_iter().collect(),
+            strikers: table.strikers.iter().map(|striker| striker.name.clone()).collect(),
             // Constant-power panning attenuates the middle by 3 dB.
             level_db: CENTRE_DB,
             pan: 0.0,

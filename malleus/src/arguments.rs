@@ -144,6 +144,13 @@ pub(crate) struct FitArguments {
     /// table, with force and contact time of each (docs/multi-strike.md)
     #[arg(long, value_name = "OUT.csv", conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render", "report"])]
     pub(crate) events: Option<PathBuf>,
+    /// Number of gains of each mode along the object, for strikes at different positions: about
+    /// three for each half wave of the highest mode, at least 4; 1 for one place
+    #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=16))]
+    pub(crate) positions: u8,
+    /// Number of strikers that strike, told apart by their contact times and own modes
+    #[arg(long, value_name = "N", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub(crate) strikers: u8,
     /// Write a self-contained page of sound, pictures and figures for each recording into this
     /// folder, and an index of all pages in it
     #[arg(long, value_name = "DIR")]

@@ -124,7 +124,7 @@ fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64,
     let strike = model.strikes[index];
     let mut contact = strike.contact;
     contact.middle += shift;
-    for mode in 0..model.poles.len() {
+    for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, &strike)) {
         let exponent = model.exponent(mode);
         let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
         let inside = contact.first_sample().max(from as f64) as usize;

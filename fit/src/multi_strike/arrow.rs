@@ -188,6 +188,20 @@ impl Factor {
         self.schur.inverse()
     }
 
+    /// Variance of parameter `at` of each run of `size` parameters of the band, with the shared
+    /// parameters held, in units of the noise variance.
+    pub(crate) fn held_variances(&self, size: usize, at: usize) -> Vec<f64> {
+        let count = self.border.ncols();
+        let of_block = |block: usize| {
+            let first = block * size + at;
+            let mut unit = DVector::zeros(count.min(first + FADED * (self.reach + 1)));
+            unit[first] = 1.0;
+            self.forward(&mut unit, first);
+            unit.norm_squared()
+        };
+        (0..count / size).map(of_block).collect()
+    }
+
     /// Covariance of each run of `size` parameters of the band, in units of the noise variance.
     pub(crate) fn covariances(&self, size: usize) -> Vec<DMatrix<f64>> {
         let count = self.border.ncols();
@@ -267,6 +281,10 @@ mod tests {
         for index in 0..4 {
             assert!((shared[index] - expected[18 + index]).abs() < 1e-10);
             assert!((covariance[(index, index)] - inverse[(18 + index, 18 + index)]).abs() < 1e-10);
+        }
+        let held = plain.view((0, 0), (18, 18)).into_owned().try_inverse().expect("the equations are definite");
+        for (block, variance) in factor.held_variances(3, 1).into_iter().enumerate() {
+            assert!((variance - held[(3 * block + 1, 3 * block + 1)]).abs() < 1e-10);
         }
         for (block, covariance) in factor.covariances(3).into_iter().enumerate() {
             for a in 0..3 {

@@ -5,6 +5,7 @@ use nalgebra::Complex;
 use super::changes::changes;
 use super::descend::{Fitted, deviations};
 use super::equations::residual;
+use super::free::left_over;
 use super::model::{Model, Strike};
 use super::start::missing as missing_strike;
 use super::tied::tied_modes;
@@ -25,7 +26,13 @@ const FAR_MORE: f64 = 8.0;
 /// The model with the strikes that stand out of what it leaves, or if there are none, the modes.
 ///
 /// A missed or misplaced strike rings in many modes, so that modes are looked for last.
-pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings: Settings) -> Model {
+pub(crate) fn completed(
+    fitted: &Fitted,
+    samples: &[f64],
+    whitening: &Whitening,
+    rate_hz: f64,
+    settings: Settings,
+) -> Model {
     let mut model = fitted.model.clone();
     let (misplaced, variance) = misplaced(fitted, rate_hz);
     let mut places = 0..;
@@ -35,7 +42,9 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
         let apart = |strike: &Strike| (strike.contact.middle - at as f64).abs() / rate_hz;
         model.strikes.iter().any(|strike| apart(strike) < KNOWN_S)
     };
-    let found = changes(&left, &model.poles, rate_hz, variance).into_iter().filter(|(at, _)| !is_known(*at));
+    let white = whitening.filtered(&left, 0..left.len());
+    let found =
+        changes(&white, &model.poles, rate_hz, fitted.noise_rms().powi(2)).into_iter().filter(|(at, _)| !is_known(*at));
     let missing: Vec<Strike> =
         found.filter_map(|(at, _)| missing_strike(&model, &left, at, rate_hz, variance)).collect();
     let is_complete = missing.is_empty() && misplaced.is_empty();
@@ -43,12 +52,18 @@ pub(crate) fn completed(fitted: &Fitted, samples: &[f64], rate_hz: f64, settings
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
     if is_complete {
         let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
-        let places = model.places();
         let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
-        for pole in tied_modes(&model, &left, rate_hz, few).into_iter().take(MOST_AT_A_TIME) {
-            model.poles.push(pole);
+        // Gains that differ from strike to strike have no sum that all strikes share.
+        let poles = if model.places() > 1 || model.owners.iter().any(Option::is_some) {
+            let onsets: Vec<usize> =
+                model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+            left_over(&left, &onsets, rate_hz, few)
+        } else {
+            tied_modes(&model, &left, rate_hz, few)
+        };
+        for pole in poles.into_iter().take(MOST_AT_A_TIME) {
             // The first step finds the gain, which is linear.
-            model.gains.push(vec![Complex::new(1e-6 * loudest, 0.0); places]);
+            model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
         }
     }
     model
@@ -81,11 +96,12 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
         (a.angular - b.angular).abs() < NEIGHBOURS * (a.decay + b.decay)
     };
     let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
-    let mut modes = 0..;
-    model.poles.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
-    let mut modes = 0..;
-    model.gains.retain(|_| !dropped.contains(&modes.next().unwrap_or(0)));
-    let spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
+    model.drop_modes(&dropped);
+    let mut spreads = deviations.held_peaks;
+    if let Some(held) = spreads.get_mut(fitted.model.strongest()) {
+        // Its peak is the unit of force.
+        *held = 0.0;
+    }
     let strikes = &fitted.model.strikes;
     let is_near = |a: usize, b: usize| {
         (strikes[a].contact.middle - strikes[b].contact.middle).abs()

@@ -73,6 +73,9 @@ impl Fitted {
         if !self.model.strikes.is_empty() {
             arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
         }
+        for end in self.model.ends().into_iter().flatten() {
+            arrow.hold(self.model.strike_size() * end + 3);
+        }
         if self.model.acceleration == 0.0 {
             arrow.hold_shared(self.model.shared_size() - 1);
         }
@@ -188,6 +191,11 @@ pub(crate) struct Deviations {
     pub(crate) acceleration: f64,
     /// Covariance of middle, ln τ and ln m (and position) of each strike.
     pub(crate) strikes: Vec<DMatrix<f64>>,
+    /// Standard deviation of ln m of each strike with modes and gains held.
+    ///
+    /// Peaks of all strikes together may be uncertain, as they are up to a function of the position,
+    /// while each strike stands out.
+    pub(crate) held_peaks: Vec<f64>,
 }
 
 /// Cramer-Rao bounds of a model in its whitened residual, with that noise's rms.
@@ -202,6 +210,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     let model = &fitted.model;
     let mut strikes: Vec<DMatrix<f64>> =
         factor.covariances(model.strike_size()).into_iter().map(|block| block * variance).collect();
+    let held = factor.held_variances(model.strike_size(), 2);
     // The strongest strike fixes the unit of force.
     if let Some(held) = strikes.get_mut(model.strongest()) {
         held.row_mut(2).fill(0.0);
@@ -218,9 +227,10 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     };
     Some(Deviations {
         poles: modes.clone().map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
-        gains: modes.map(|mode| (0..model.places()).map(|place| of_gain(mode, place)).collect()).collect(),
+        gains: modes.map(|mode| (0..model.gains[mode].len()).map(|place| of_gain(mode, place)).collect()).collect(),
         acceleration,
         strikes,
+        held_peaks: held.into_iter().map(|held| (held * variance).sqrt()).collect(),
     })
 }
 
@@ -233,14 +243,17 @@ mod tests {
     use crate::multi_strike::truth::model_of;
     use crate::random::SplitMix64;
 
-    fn random_model(random: &mut SplitMix64, places: usize) -> Model {
-        let pole = |index: u32| Pole {
-            decay: 2e-3 * (1.0 + f64::from(index)),
-            angular: 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform(),
-        };
-        let poles: Vec<Pole> = (0..3).map(pole).collect();
-        let gains =
-            (0..3).map(|_| (0..places).map(|_| Complex::new(random.normal(), random.normal())).collect()).collect();
+    fn random_model(random: &mut SplitMix64, places: usize, strikers: usize) -> Model {
+        let mut poles: Vec<Pole> = Vec::new();
+        for index in 0..4 {
+            let angular = 0.1 + 0.31 * f64::from(index) + 0.05 * random.uniform();
+            poles.push(Pole { decay: 2e-3 * (1.0 + f64::from(index)), angular });
+        }
+        let own = poles.split_off(3)[0];
+        let mut gains = vec![Vec::new(); 3];
+        for gains in &mut gains {
+            gains.extend((0..places).map(|_| Complex::new(random.normal(), random.normal())));
+        }
         let strikes = [100.3, 420.7, 450.1, 800.2].map(|middle| Strike {
             contact: Contact {
                 middle: middle + random.uniform(),
@@ -248,15 +261,22 @@ mod tests {
                 peak: 0.2 + random.uniform(),
             },
             position: 0.1 + 0.8 * random.uniform(),
+            striker: 0,
         });
-        Model { poles, gains, acceleration: 0.7, strikes: strikes.to_vec() }
+        let owners = vec![None; 3];
+        let mut model = Model { poles, gains, owners, acceleration: 0.7, strikes: strikes.to_vec() };
+        if strikers > 1 {
+            model.strikes[1].striker = 1;
+            model.push(own, Complex::new(0.6, -0.8), Some(1));
+        }
+        model
     }
 
     #[test]
     fn gradient_of_the_energy_agrees_with_central_differences() {
-        for (seed, places) in [(1, 1), (2, 1), (3, 3)] {
+        for (seed, places, strikers) in [(1, 1, 1), (2, 1, 2), (3, 3, 1), (4, 6, 2)] {
             let mut random = SplitMix64(seed);
-            let model = random_model(&mut random, places);
+            let model = random_model(&mut random, places, strikers);
             let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
             let whitening = Whitening::of_residual(&samples, 5);
             let fitted = Fitted::new(model.clone(), &samples, &whitening);

@@ -160,26 +160,69 @@ fn of_segment(
 ) -> (usize, DMatrix<f64>, DVector<f64>) {
     let rows = attack_rows(model, segment, before, whitening);
     let left = DVector::from_vec(whitening.filtered(residual, segment.start..segment.free));
-    let mut normal = rows.tr_mul(&rows);
+    // The product of two matrices is faster than that of one with itself transposed.
+    let mut normal = rows.transpose() * &rows;
     let mut right = rows.tr_mul(&left);
     if segment.end > segment.free {
-        let columns = whitening.of_columns(after.columns(model, 0), &model.poles);
         let tail = whitening.filtered(residual, segment.free..segment.end);
-        let stretch = Stretch::ringing(&tail);
-        let bases: Vec<Basis> = model.poles.iter().map(|&pole| Basis::new(pole, &stretch)).collect();
-        let gram = gram(&bases);
-        let mut along = DVector::zeros(columns.nrows());
-        for (mode, &pole) in model.poles.iter().enumerate() {
-            let [plain, ramp] = project(pole, &tail);
-            for (row, sum) in [(0, plain), (2, ramp)] {
-                along[4 * mode + row] = sum.re;
-                along[4 * mode + row + 1] = -sum.im;
-            }
-        }
-        normal += columns.tr_mul(&(gram * &columns));
-        right += columns.tr_mul(&along);
+        add_ringing_equations(model, after, &tail, whitening, &mut normal, &mut right);
     }
     (before.first, normal, right)
+}
+
+/// Adds the equations of samples in which all modes ring freely.
+///
+/// The shared parameters of a mode have four rows, so that their products are of blocks.
+fn add_ringing_equations(
+    model: &Model,
+    ringing: &Ringing,
+    tail: &[f64],
+    whitening: &Whitening,
+    normal: &mut DMatrix<f64>,
+    right: &mut DVector<f64>,
+) {
+    let stretch = Stretch::ringing(tail);
+    let bases: Vec<Basis> = model.poles.iter().map(|&pole| Basis::new(pole, &stretch)).collect();
+    let gram = gram(&bases);
+    let mut along = DVector::zeros(4 * model.poles.len());
+    for (mode, &pole) in model.poles.iter().enumerate() {
+        let [plain, ramp] = project(pole, tail);
+        for (row, sum) in [(0, plain), (2, ramp)] {
+            along[4 * mode + row] = sum.re;
+            along[4 * mode + row + 1] = -sum.im;
+        }
+    }
+    let mut columns = ringing.columns(model, 0);
+    whitening.filter_columns(&mut columns, &model.poles);
+    let mut blocks = ringing.blocks(model);
+    for (block, &pole) in blocks.iter_mut().zip(&model.poles) {
+        whitening.filter_rows_of(pole, &mut block.as_view_mut());
+    }
+    let own = columns.ncols();
+    let products = &gram * &columns;
+    let mut corner = normal.view_mut((0, 0), (own, own));
+    corner += columns.transpose() * &products;
+    let mut first = right.rows_mut(0, own);
+    first += columns.tr_mul(&along);
+    for (mode, block) in blocks.iter().enumerate() {
+        let across = block.transpose() * products.rows(4 * mode, 4);
+        let local = block.tr_mul(&along.rows(4 * mode, 4));
+        for (index, column) in model.columns_of(mode).enumerate() {
+            right[own + column] += local[index];
+            for strike in 0..own {
+                normal[(own + column, strike)] += across[(index, strike)];
+                normal[(strike, own + column)] += across[(index, strike)];
+            }
+        }
+        for (other, block_of_other) in blocks.iter().enumerate() {
+            let both = block.transpose() * (gram.view((4 * mode, 4 * other), (4, 4)) * block_of_other);
+            for (b, column) in model.columns_of(other).enumerate() {
+                for (a, row) in model.columns_of(mode).enumerate() {
+                    normal[(own + row, own + column)] += both[(a, b)];
+                }
+            }
+        }
+    }
 }
 
 /// Inner products of `Re u, Re ju, Re v, Re jv` of all modes.
@@ -225,9 +268,17 @@ fn attack_rows(model: &Model, segment: &Segment, before: &Ringing, whitening: &W
             shapes[(row, 4 * mode + 3)] = -n * power.im;
         }
     }
-    let mut rows = shapes * columns;
+    let shared = columns.ncols();
+    let mut rows = DMatrix::zeros(count, shared + model.shared_size());
+    rows.columns_mut(0, shared).copy_from(&(&shapes * columns));
+    for (mode, block) in before.blocks(model).into_iter().enumerate() {
+        let local = shapes.columns(4 * mode, 4) * block;
+        for (index, column) in model.columns_of(mode).enumerate() {
+            rows.column_mut(shared + column).copy_from(&local.column(index));
+        }
+    }
     let size = model.strike_size();
-    let shared = rows.ncols() - model.shared_size();
+    let gains_at: Vec<usize> = (0..model.poles.len()).map(|mode| model.gain_column(mode)).collect();
     for (index, strike) in segment.strikes.clone().enumerate() {
         let strike = &model.strikes[strike];
         let first = (before.heard() + index) * size;
@@ -245,13 +296,11 @@ fn attack_rows(model: &Model, segment: &Segment, before: &Ringing, whitening: &W
                 let by_pole = gain * response.by_pole;
                 rows[(row, shared + 2 * mode)] -= by_pole.re;
                 rows[(row, shared + 2 * mode + 1)] -= by_pole.im;
-                let column = shared + model.gain_column(mode) + 2 * effect.lower;
-                for (place, share) in [(0, 1.0 - effect.share), (2, effect.share)] {
-                    if share > 0.0 {
-                        let value = response.value * (strike.contact.peak * share);
-                        rows[(row, column + place)] += value.re;
-                        rows[(row, column + place + 1)] -= value.im;
-                    }
+                let column = shared + gains_at[mode] + 2 * effect.weights.first;
+                for (place, weight) in effect.weights.values().iter().enumerate() {
+                    let value = response.value * (strike.contact.peak * weight);
+                    rows[(row, column + 2 * place)] += value.re;
+                    rows[(row, column + 2 * place + 1)] -= value.im;
                 }
             }
             let [force, by_middle, by_time] = strike.contact.force(sample).map(|x| x * strike.contact.peak);

@@ -17,6 +17,26 @@ pub enum StrikesError {
         /// Number of strikes that are heard.
         found: usize,
     },
+    /// There are more strikes than can be told apart.
+    #[error(
+        "{found} strikes are heard in {seconds:.1} s: at most 9 a second are told apart, and beating modes, speech or noise are taken for more; give a drier recording of one thing that is struck less often, or leave out --events"
+    )]
+    TooMany {
+        /// Number of strikes that are heard.
+        found: usize,
+        /// Length of the recording in seconds.
+        seconds: f64,
+    },
+    /// Other sounds hide the strikes.
+    #[error(
+        "the sound rises {rises} times, and {found} of the rises are strikes of a thing that rings: speech, noise or other things sound between the strikes, or the thing beats; give a recording of one thing alone, or leave out --events"
+    )]
+    Unclear {
+        /// Number of strikes that are heard.
+        found: usize,
+        /// Number of rises of the sound.
+        rises: usize,
+    },
     /// No mode rings between the strikes.
     #[error("no mode rings between the strikes: give a recording of a thing that rings, with gaps of at least 40 ms")]
     NoModes,

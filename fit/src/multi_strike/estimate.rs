@@ -2,15 +2,18 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
 use serde::Serialize;
 
+use super::Layout;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
-use super::fit::fit;
+use super::fit::{fit, is_clipped};
+use super::spline::Weights;
 use crate::modes::Settings;
 
 /// A mode with the standard deviations of its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModeEstimate {
     /// Frequency in Hz.
     pub frequency_hz: f64,
@@ -20,10 +23,17 @@ pub struct ModeEstimate {
     pub decay_per_s: f64,
     /// Standard deviation of the decay rate in 1/s.
     pub decay_per_s_sd: f64,
-    /// Gains `[sine, cosine]` in output per unit of force and second, in continuous time.
+    /// Gains `[sine, cosine]` in output per unit of force and second, in continuous time, where the
+    /// mode is loudest along the object.
     pub gain: [f64; 2],
-    /// Relative standard deviation of the gain's magnitude.
+    /// Relative standard deviation of the gain's magnitude; with positions that of the best known
+    /// coefficient of the gains along the object.
     pub gain_sd: f64,
+    /// Gains at evenly spaced positions from 0 to 1; empty if there is one place.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gains: Vec<[f64; 2]>,
+    /// Striker whose own mode it is, counted from 0; `None` for a mode of the object.
+    pub striker: Option<usize>,
 }
 
 impl ModeEstimate {
@@ -52,6 +62,12 @@ pub struct StrikeEstimate {
     pub peak_force: f64,
     /// Standard deviation of the peak; 0 for the strongest strike.
     pub peak_force_sd: f64,
+    /// Position along the object, 0 to 1; which end is 0 is not told. 0 if there is one place.
+    pub position: f64,
+    /// Standard deviation of the position; 0 for the two strikes that fix the scale.
+    pub position_sd: f64,
+    /// Number of the striker, counted from 0, the hardest.
+    pub striker: usize,
     /// Power that the model leaves of the strike and of 30 ms behind it, in dB over the median of
     /// all strikes.
     ///
@@ -84,23 +100,44 @@ pub struct Estimate {
 
 /// Fits all strikes of a recording together, by maximum likelihood.
 ///
-/// Full scale of `samples` is 1. The model has one thing that is struck at one place, and forces
-/// that are half-sines. Time and memory grow in proportion to the length (docs/multi-strike.md has
-/// the accuracy and the cost).
+/// Full scale of `samples` is 1. The model has one thing, struck at places and with strikers as the
+/// layout says, and forces that are half-sines. Time and memory grow in proportion to the length
+/// (docs/multi-strike.md has the accuracy and the cost). `told` gets the share of the work that is
+/// done, from 0 to 1, and never less than before.
 ///
 /// # Errors
-/// [`StrikesError`] if fewer than two strikes are heard, or if they cannot be told apart.
-pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<Estimate, StrikesError> {
-    let joint = fit(samples, rate_hz, settings)?;
+/// [`StrikesError`] if fewer than two strikes are heard or far too many, if they cannot be told
+/// apart, or if one thing and its strikes explain too little of the recording.
+pub fn estimate(
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: impl Fn(f64),
+) -> Result<Estimate, StrikesError> {
+    let joint = fit(samples, rate_hz, settings, layout, &told)?;
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
     let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     for strike in &mut estimate.strikes {
-        let from = (strike.at_s * rate_hz).max(0.0) as usize;
-        let attack = &samples[from.min(samples.len())..(from + (0.02 * rate_hz) as usize).min(samples.len())];
-        let stands = |three: &[f64]| three.iter().all(|x| *x == three[0] && x.abs() >= 0.999 * largest);
-        strike.is_clipped = attack.windows(3).any(stands);
+        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
     }
     Ok(estimate)
+}
+
+/// Gains `[sine, cosine]` at evenly spaced positions: four for each interval between coefficients.
+fn along(gains: &[Complex<f64>], rate_hz: f64) -> Vec<[f64; 2]> {
+    let count = if gains.len() > 1 { (4 * gains.len() - 3).min(MOST_POSITIONS) } else { 1 };
+    let position = |index: usize| if count > 1 { index as f64 / (count - 1) as f64 } else { 0.0 };
+    let gain = |index: usize| Weights::at(position(index), gains.len()).sum(gains) * rate_hz;
+    (0..count).map(|index| [-gain(index).im, gain(index).re]).collect()
+}
+
+/// Maximum number of positions that a table holds.
+const MOST_POSITIONS: usize = 64;
+
+fn loudest(gains: &[[f64; 2]]) -> [f64; 2] {
+    let size = |gain: &&[f64; 2]| gain[0].hypot(gain[1]);
+    gains.iter().max_by(|a, b| size(a).total_cmp(&size(b))).copied().unwrap_or([0.0; 2])
 }
 
 /// Numbers of a fitted model with their standard deviations.
@@ -108,13 +145,16 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
     let model = &fitted.model;
     let mut modes: Vec<ModeEstimate> = (model.poles.iter().zip(&model.gains))
         .zip(deviations.poles.iter().zip(&deviations.gains))
-        .map(|((pole, gains), ([decay, angular], spreads))| ModeEstimate {
+        .zip(&model.owners)
+        .map(|(((pole, gains), ([decay, angular], spreads)), owner)| ModeEstimate {
             frequency_hz: pole.frequency_hz(rate_hz),
             frequency_hz_sd: angular * rate_hz / TAU,
             decay_per_s: pole.decay_per_s(rate_hz),
             decay_per_s_sd: decay * rate_hz,
-            gain: [-gains[0].im * rate_hz, gains[0].re * rate_hz],
-            gain_sd: spreads[0],
+            gain: loudest(&along(gains, rate_hz)),
+            gain_sd: spreads.iter().copied().fold(f64::INFINITY, f64::min),
+            gains: if model.places() > 1 { along(gains, rate_hz) } else { Vec::new() },
+            striker: *owner,
         })
         .collect();
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
@@ -134,15 +174,22 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
             contact_time_s_sd: time_sd / rate_hz,
             peak_force: contact.peak,
             peak_force_sd: covariance[(2, 2)].sqrt() * contact.peak,
+            position: strike.position,
+            position_sd: if covariance.nrows() > 3 { covariance[(3, 3)].max(0.0).sqrt() } else { 0.0 },
+            striker: strike.striker,
             left_db,
             is_clipped: false,
         }
     });
+    let mut strikes: Vec<StrikeEstimate> = strikes.collect();
+    for end in model.ends().into_iter().flatten() {
+        strikes[end].position_sd = 0.0;
+    }
     let power = fitted.residual.iter().map(|x| x * x).sum::<f64>() / fitted.residual.len().max(1) as f64;
     Estimate {
         rate_hz,
         modes,
-        strikes: strikes.collect(),
+        strikes,
         acceleration: model.acceleration,
         acceleration_sd: deviations.acceleration,
         left_dbfs: 10.0 * power.max(1e-30).log10(),

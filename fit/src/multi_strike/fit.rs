@@ -2,15 +2,18 @@
 
 use rayon::prelude::*;
 
+use super::Layout;
 use super::alignment::{aligned, alternatives};
 use super::changes::changes;
 use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::error::StrikesError;
-use super::free::{Guard, free_modes};
+use super::free::{FreeModes, Guard, free_modes};
 use super::model::Model;
+use super::places::starts_at_places;
 use super::rises::rises;
-use super::start::starts;
+use super::start::{White, changes_of, starts};
+use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;
 
@@ -22,6 +25,11 @@ const ALIGNED: usize = 14;
 const DESCENDED: usize = 3;
 /// Ratio to the noise between strikes of what a model leaves from which no other start is tried.
 const EXPLAINED: f64 = 1.1;
+/// Energy in units of the noise by which a coarse descent may be worse than the best fit, and still
+/// be continued.
+const FAR_OFF: f64 = 50.0;
+/// Relative difference of what two starting models leave up to which they are one.
+const SAME: f64 = 1e-6;
 /// Maximum number of rounds of modes and strikes in turn.
 const ROUNDS: usize = 4;
 /// Time in seconds by which no strike moves in a round that ends them.
@@ -34,6 +42,12 @@ const PRUNINGS: usize = 6;
 const MOST_STALLED: usize = 2;
 /// Share of the recording's energy that is left from which nothing is explained: -6 dB.
 const UNEXPLAINED: f64 = 0.25;
+/// Share of the energy that the first fit leaves from which no completion helps: -3 dB.
+const UNEXPLAINED_AT_FIRST: f64 = 0.5;
+/// Number of rises of the sound from which on too few strikes are not for want of strikes.
+const MANY_RISES: usize = 5;
+/// Maximum number of strikes a second, in the mean of a recording.
+const MOST_PER_S: f64 = 9.0;
 /// Least number of strikes that are fitted together.
 pub(crate) const LEAST_STRIKES: usize = 2;
 /// Least length of a recording in seconds.
@@ -48,23 +62,71 @@ pub(crate) struct JointFit {
     pub(crate) deviations: Deviations,
 }
 
-/// Fits all strikes of a recording together.
+/// Fits all strikes of a recording together; `told` gets the share of the work that is done.
 ///
 /// # Errors
-/// [`StrikesError`] if there are too few strikes, or if they cannot be told apart.
-pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<JointFit, StrikesError> {
+/// [`StrikesError`] if there are too few strikes, or too many, if they cannot be told apart, or if
+/// one thing and its strikes explain too little.
+pub(crate) fn fit(
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: &dyn Fn(f64),
+) -> Result<JointFit, StrikesError> {
     let is_short = samples.len() < (SHORTEST_S * rate_hz) as usize;
     if is_short {
         return Err(StrikesError::TooShort { seconds: samples.len() as f64 / rate_hz });
     }
-    let onsets = rises(samples, rate_hz);
+    let (free, all) = between_strikes(samples, rate_hz, settings, &|share| told(0.25 * share))?;
+    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    // Clipped strikes tell no contacts; what they ring is found in what the others leave.
+    let clipped = |onset: usize| is_clipped(samples, onset, rate_hz, largest);
+    let sound: Vec<usize> = all.iter().copied().filter(|onset| !clipped(*onset)).collect();
+    let usable = if sound.len() < LEAST_STRIKES { &all } else { &sound };
+    let first = begun(samples, &free, (&all, usable), rate_hz, layout, &|share| told(0.25 + 0.25 * share))?;
+    if usable.len() == all.len() {
+        refuse_unexplained(&first, samples, UNEXPLAINED_AT_FIRST)?;
+    }
+    let (mut fitted, whitening) =
+        with_all(first, samples, rate_hz, settings, layout, &|share| told(0.5 + 0.35 * share))?;
+    let found = fitted.model.strikes.len();
+    if found < LEAST_STRIKES && all.len() > MANY_RISES {
+        return Err(StrikesError::Unclear { found, rises: all.len() });
+    }
+    if found < LEAST_STRIKES {
+        return Err(StrikesError::TooFew { found });
+    }
+    refuse_unexplained(&fitted, samples, UNEXPLAINED)?;
+    fitted = descend(fitted, samples, &whitening, Ending::FINE);
+    told(0.9);
+    fitted = at_best_time(fitted, samples, &whitening);
+    told(0.95);
+    fitted = with_acceleration(fitted, samples, &whitening);
+    fitted.model.normalise();
+    let deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
+    told(1.0);
+    Ok(JointFit { fitted, deviations })
+}
+
+/// Modes between strikes, and moments near which strikes begin, in turn.
+fn between_strikes(
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    told: &dyn Fn(f64),
+) -> Result<(FreeModes, Vec<usize>), StrikesError> {
+    let mut onsets = rises(samples, rate_hz);
+    let rising = onsets.len();
     let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
-    let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
+    let mut free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
         .ok_or(StrikesError::TooFew { found: onsets.len() })?;
-    let (mut free, mut onsets) = (free, onsets);
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        told((round as f64 + 1.0) / (ROUNDS as f64 + 1.0));
+        let white = filtered(samples, &free.whitening);
         let changed: Vec<usize> =
-            changes(samples, &free.poles, rate_hz, free.variance).into_iter().map(|change| change.0).collect();
+            changes(&white, &free.poles, rate_hz, free.white_variance).into_iter().map(|change| change.0).collect();
+        refuse_too_many(&changed, samples.len(), rate_hz)?;
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
         onsets = changed;
@@ -75,33 +137,104 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
             .filter(|free| !free.poles.is_empty())
             .ok_or(StrikesError::NoModes)?;
     }
+    if onsets.len() < LEAST_STRIKES && rising > MANY_RISES {
+        return Err(StrikesError::Unclear { found: onsets.len(), rises: rising });
+    }
     if onsets.len() < LEAST_STRIKES {
         return Err(StrikesError::TooFew { found: onsets.len() });
     }
-    let starts = starts(samples, &onsets, &free.poles, rate_hz, free.variance);
+    Ok((free, onsets))
+}
+
+fn refuse_too_many(onsets: &[usize], length: usize, rate_hz: f64) -> Result<(), StrikesError> {
+    let seconds = length as f64 / rate_hz;
+    if onsets.len() as f64 > MOST_PER_S * seconds {
+        return Err(StrikesError::TooMany { found: onsets.len(), seconds });
+    }
+    Ok(())
+}
+
+fn refuse_unexplained(fitted: &Fitted, samples: &[f64], most: f64) -> Result<(), StrikesError> {
+    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+    let left = energy(&fitted.residual) / energy(samples);
+    if left > most {
+        return Err(StrikesError::Unexplained { left_db: 10.0 * left.log10() });
+    }
+    Ok(())
+}
+
+/// True if the sound stands still at its largest value near a moment at which a strike begins.
+pub(crate) fn is_clipped(samples: &[f64], onset: usize, rate_hz: f64, largest: f64) -> bool {
+    let [before, behind] = CLIPPED_S.map(|seconds| (seconds * rate_hz) as usize);
+    let attack = &samples[onset.saturating_sub(before).min(samples.len())..(onset + behind).min(samples.len())];
+    let stands = |three: &[f64]| three.iter().all(|x| *x == three[0] && x.abs() >= 0.999 * largest);
+    attack.windows(3).any(stands)
+}
+
+/// Time in seconds before and behind a strike's beginning in which it may be clipped.
+const CLIPPED_S: [f64; 2] = [0.003, 0.02];
+
+/// First fit, from the contacts of the usable strikes that explain the changes of amplitudes best.
+fn begun(
+    samples: &[f64],
+    free: &FreeModes,
+    (onsets, usable): (&[usize], &[usize]),
+    rate_hz: f64,
+    layout: Layout,
+    told: &dyn Fn(f64),
+) -> Result<Fitted, StrikesError> {
+    let starts = {
+        let whole = filtered(samples, &free.whitening);
+        let white = White { samples: &whole, whitening: &free.whitening, variance: free.white_variance };
+        if layout == Layout::default() {
+            starts(&white, (onsets, usable), &free.poles, rate_hz)
+        } else {
+            let mut changes = changes_of(&white, onsets, &free.poles, rate_hz);
+            changes.retain(|change| usable.contains(&change.at));
+            starts_at_places(&changes, &free.poles, rate_hz, layout)
+        }
+    };
+    told(0.2);
     let mut aligned: Vec<(f64, Model)> =
         starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let white = Whitening::none();
+    // Trials that ended in one model.
+    aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
+    told(0.4);
+    let none = Whitening::none();
     let mut best: Option<Fitted> = None;
-    for (_, start) in aligned.into_iter().take(DESCENDED) {
-        let done = descend(Fitted::new(start, samples, &white), samples, &white, Ending::COARSE);
+    for (index, (_, start)) in aligned.into_iter().take(DESCENDED).enumerate() {
+        let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
         let is_good = done.noise_rms().powi(2) < EXPLAINED * free.variance;
         if best.as_ref().is_none_or(|best| done.energy < best.energy) {
             best = Some(done);
         }
+        told(0.4 + 0.15 * (index as f64 + 1.0));
         if is_good {
             break;
         }
     }
     let best = best.ok_or(StrikesError::TooFew { found: 0 })?;
-    let (mut fitted, mut whitening) = (at_best_time(best, samples, &white), white);
+    Ok(at_best_time(best, samples, &none))
+}
+
+/// The fit with what it lacks and without what explains too little, and the filter of its noise.
+fn with_all(
+    first: Fitted,
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: &dyn Fn(f64),
+) -> Result<(Fitted, Whitening), StrikesError> {
+    let (mut fitted, mut whitening) = (first, Whitening::none());
     let mut stalled = 0;
-    for _ in 0..COMPLETIONS {
+    for pass in 0..COMPLETIONS {
         let before = (fitted.model.poles.len(), fitted.model.strikes.len());
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
         fitted = Fitted::new(fitted.model, samples, &whitening);
-        let more = completed(&fitted, samples, rate_hz, settings);
+        fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
+        let more = completed(&fitted, samples, &whitening, rate_hz, settings);
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         for _ in 0..PRUNINGS {
@@ -112,33 +245,44 @@ pub(crate) fn fit(samples: &[f64], rate_hz: f64, settings: Settings) -> Result<J
             }
             fitted = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         }
+        told((pass as f64 + 1.0) / COMPLETIONS as f64);
         let is_stalled = before == (fitted.model.poles.len(), fitted.model.strikes.len());
         stalled = if is_stalled { stalled + 1 } else { 0 };
         if is_complete || stalled == MOST_STALLED {
             break;
         }
     }
-    if fitted.model.strikes.len() < LEAST_STRIKES {
-        return Err(StrikesError::TooFew { found: fitted.model.strikes.len() });
+    Ok((fitted, whitening))
+}
+
+fn filtered(samples: &[f64], whitening: &Whitening) -> Vec<f64> {
+    whitening.filtered(samples, 0..samples.len())
+}
+
+/// The fit with strikers told apart by its contacts, and with their own modes.
+fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
+    if layout.strikers < 2 {
+        return fitted;
     }
-    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
-    let left = energy(&fitted.residual) / energy(samples);
-    if left > UNEXPLAINED {
-        return Err(StrikesError::Unexplained { left_db: 10.0 * left.log10() });
-    }
-    fitted = descend(fitted, samples, &whitening, Ending::FINE);
-    fitted = at_best_time(fitted, samples, &whitening);
-    fitted = with_acceleration(fitted, samples, &whitening);
-    fitted.model.normalise();
-    let deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
-    Ok(JointFit { fitted, deviations })
+    let model = &fitted.model;
+    let onsets: Vec<usize> =
+        model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+    let whole = filtered(samples, whitening);
+    let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
+    let changes = changes_of(&white, &onsets, &model.poles, rate_hz);
+    let next = assigned(model, &changes, layout.strikers, layout.positions, rate_hz);
+    if next == *model { fitted } else { Fitted::new(next, samples, whitening) }
 }
 
 /// The best of a fit and of those with all contacts at another time.
 fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let mut best = fitted;
     for other in alternatives(&best.model, &best.residual) {
-        let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::FINE);
+        let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::COARSE);
+        if other.energy > best.energy + FAR_OFF * best.noise_rms().powi(2) {
+            continue;
+        }
+        let other = descend(other, samples, whitening, Ending::FINE);
         if other.energy < best.energy {
             best = other;
         }
@@ -165,7 +309,8 @@ mod tests {
     fn a_set_of_known_strikes_is_found_whole_and_to_the_noise() {
         let sound = plain(8, 6.0, 10, -60.0);
         let truth = model_of(&sound);
-        let joint = fit(&sound.samples, sound.rate_hz, Settings::default()).expect("strikes are told");
+        let joint = fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), &|_| {})
+            .expect("strikes are told");
         let model = &joint.fitted.model;
         assert_eq!((model.strikes.len(), model.acceleration), (10, 0.0));
         assert!(model.poles.len() <= truth.poles.len() && model.poles.len() + 1 >= truth.poles.len());
@@ -183,7 +328,7 @@ mod tests {
         let sound = plain(8, 3.0, 5, -60.0);
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-            pool.install(|| fit(&sound.samples, sound.rate_hz, Settings::default()))
+            pool.install(|| fit(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), &|_| {}))
         };
         let (one, two) = (on(1).expect("strikes are told"), on(2).expect("strikes are told"));
         assert_eq!(one.fitted.model, two.fitted.model);
@@ -194,12 +339,12 @@ mod tests {
     fn noise_and_a_single_strike_are_refused_by_name() {
         let mut random = crate::random::SplitMix64(4);
         let noise: Vec<f64> = (0..44_100).map(|_| 1e-3 * random.normal()).collect();
-        let refused = fit(&noise, 44_100.0, Settings::default());
+        let refused = fit(&noise, 44_100.0, Settings::default(), Layout::default(), &|_| {});
         assert!(matches!(refused, Err(StrikesError::TooFew { .. } | StrikesError::NoModes)), "{refused:?}");
         let once = plain(8, 1.5, 1, -60.0);
-        let refused = fit(&once.samples, once.rate_hz, Settings::default());
+        let refused = fit(&once.samples, once.rate_hz, Settings::default(), Layout::default(), &|_| {});
         assert!(matches!(refused, Err(StrikesError::TooFew { .. } | StrikesError::NoModes)), "{refused:?}");
-        let refused = fit(&noise[..100], 44_100.0, Settings::default());
+        let refused = fit(&noise[..100], 44_100.0, Settings::default(), Layout::default(), &|_| {});
         assert!(matches!(refused, Err(StrikesError::TooShort { .. })), "{refused:?}");
     }
 }

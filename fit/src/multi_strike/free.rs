@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::whitening::Whitening;
 use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine, standing_out};
 use crate::parabola;
 
@@ -27,11 +28,14 @@ impl Guard {
     pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006 };
 }
 
-/// Poles, and the variance of what they leave between strikes.
+/// Poles, and what they leave between strikes: its variance, and the filter that makes it white.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeModes {
     pub(crate) poles: Vec<Pole>,
     pub(crate) variance: f64,
+    pub(crate) whitening: Whitening,
+    /// Variance of what is left, filtered.
+    pub(crate) white_variance: f64,
 }
 
 /// Number of stretches, those of most significance, that do not count for a mode.
@@ -63,7 +67,7 @@ fn samples_in(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz) as usize
 }
 
-fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64) -> Vec<Range<usize>> {
+fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64, most: usize) -> Vec<Range<usize>> {
     let mut chosen: Vec<Range<usize>> = stretches(onsets, guard, samples.len(), rate_hz)
         .into_iter()
         .filter(|stretch| !stretch.is_empty())
@@ -71,7 +75,7 @@ fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f
         .collect();
     let energy = |stretch: &Range<usize>| samples[stretch.clone()].iter().map(|x| x * x).sum::<f64>();
     chosen.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
-    chosen.truncate(MOST_STRETCHES);
+    chosen.truncate(most);
     chosen.sort_by_key(|stretch| stretch.start);
     chosen
 }
@@ -86,7 +90,7 @@ pub(crate) fn free_modes(
     settings: Settings,
     known: &[Pole],
 ) -> Option<FreeModes> {
-    let chosen = loudest_stretches(samples, onsets, guard, rate_hz);
+    let chosen = loudest_stretches(samples, onsets, guard, rate_hz, MOST_STRETCHES);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
     let range = search_range(length, rate_hz, settings);
@@ -110,17 +114,24 @@ pub(crate) fn free_modes(
         let Some(more) = pruned(&groups, more, &noise, range, threshold) else { break };
         model = more;
     }
-    let mut powers: Vec<f64> = residuals(&groups, &model)
-        .iter()
-        .map(|left| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64)
-        .collect();
-    powers.sort_by(f64::total_cmp);
-    let variance = powers[powers.len() / 4].max(LEAST_VARIANCE);
+    // A stretch with a missed strike in it tells no noise.
+    let mut quiet = residuals(&groups, &model);
+    let power = |left: &Vec<f64>| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64;
+    quiet.sort_by(|a, b| power(a).total_cmp(&power(b)));
+    let variance = power(&quiet[quiet.len() / 4]).max(LEAST_VARIANCE);
+    quiet.truncate(quiet.len() / 2 + 1);
+    let whitening = Whitening::of_residual(&quiet.concat(), WHITENING);
+    let mut white: Vec<f64> =
+        quiet.iter().map(|left| power(&whitening.filtered(left, whitening.order()..left.len()))).collect();
+    white.sort_by(f64::total_cmp);
+    let white_variance = white[white.len() / 2].max(LEAST_VARIANCE);
     let mut poles = model.poles;
     poles.sort_by(|a, b| a.angular.total_cmp(&b.angular));
-    Some(FreeModes { poles, variance })
+    Some(FreeModes { poles, variance, whitening, white_variance })
 }
 
+/// Order of the filter that makes the noise between strikes white.
+const WHITENING: usize = 12;
 /// Least variance of the noise: that of 24 bits.
 const LEAST_VARIANCE: f64 = 1e-15;
 
@@ -154,6 +165,20 @@ fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
     let of_group = |index: usize| model.residual(index, &groups[index].stretches[0]);
     (0..groups.len()).into_par_iter().map(of_group).collect()
 }
+
+/// Modes that ring in what a model leaves between its strikes, each stretch with an amplitude of
+/// its own; the most significant first.
+pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settings: Settings) -> Vec<Pole> {
+    let chosen = loudest_stretches(residual, onsets, Guard::OF_CHANGE, rate_hz, MOST_LEFT_OVER);
+    let Some(length) = chosen.iter().map(Range::len).max() else { return Vec::new() };
+    let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
+    let noise = NoiseFloor::of_residual(&residuals.concat());
+    let range = search_range(length, rate_hz, settings);
+    search(&residuals, &noise, range, threshold(residuals.len(), residual.len()), settings.most_modes)
+}
+
+/// Maximum number of stretches in which left over modes are searched for.
+const MOST_LEFT_OVER: usize = 28;
 
 /// Range of the search in stretches of up to `length` samples.
 pub(crate) fn search_range(length: usize, rate_hz: f64, settings: Settings) -> SearchRange {

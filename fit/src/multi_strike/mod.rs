@@ -9,8 +9,9 @@
 //!                                                            └──── completion ◄───┘
 //! ```
 //!
-//! [`estimate()`] needs no start and no knowledge of the forces. The folder `joint` fits modes
-//! and noise of one strike together; this one fits many strikes.
+//! With positions or several strikers `places` stands where `start` does. [`estimate()`] needs no
+//! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
+//! one fits many strikes.
 
 mod alignment;
 mod arrow;
@@ -23,13 +24,20 @@ mod error;
 mod estimate;
 mod fit;
 mod free;
+#[cfg(test)]
+mod hard_cases;
 mod model;
+mod places;
 mod ringing;
 mod rises;
+mod seriation;
+mod spline;
 mod start;
+mod strikers;
 pub mod synthetic;
 mod table;
 mod tied;
+mod timing;
 mod truth;
 mod whitening;
 
@@ -37,3 +45,21 @@ pub use error::StrikesError;
 pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
 pub use table::{events, table};
 pub use truth::cramer_rao;
+
+/// What differs from strike to strike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of gains of each mode along the object, 1 to 16; 1 for strikes at one place.
+    ///
+    /// The gains are the coefficients of a cubic spline, so that at least 4 are needed for gains
+    /// that curve; each half wave along the object needs about three.
+    pub positions: usize,
+    /// Number of strikers, 1 to 4.
+    pub strikers: usize,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self { positions: 1, strikers: 1 }
+    }
+}

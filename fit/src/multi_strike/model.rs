@@ -5,50 +5,48 @@
 //! ```
 //!
 //! R is the response of a mode to a half-sine ([`super::contact`]), F the half-sine itself
-//! (diffimpact eq. 1 and 3 without room). Gains between two places are interpolated linearly.
+//! (diffimpact eq. 1 and 3 without room). Gains along the object are splines
+//! ([`super::spline`]). A striker's own mode rings under that striker only, wherever it strikes.
 
 use std::ops::Range;
 
 use nalgebra::Complex;
 
 use super::contact::Contact;
+use super::spline::Weights;
 use crate::modes::Pole;
 
 type C64 = Complex<f64>;
 
-/// A strike: its contact, and its position from 0 to 1 along the places with gains.
+/// A strike: its contact, its position from 0 to 1 along the object, and its striker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Strike {
     pub(crate) contact: Contact,
     pub(crate) position: f64,
+    /// Number of the striker, counted from 0.
+    pub(crate) striker: usize,
 }
 
 /// Modes, gains, acceleration sound and strikes of a recording; the unit of time is the sample.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Model {
     pub(crate) poles: Vec<Pole>,
-    /// Gains of each mode at each place: mode by mode.
+    /// Coefficients of each mode's gains along the object: mode by mode.
+    ///
+    /// A striker's own mode has one.
     pub(crate) gains: Vec<Vec<C64>>,
+    /// Striker whose own mode each mode is; `None` for a mode of the object.
+    pub(crate) owners: Vec<Option<usize>>,
     /// Factor from force to acceleration sound; a fit holds it while it is exactly 0.
     pub(crate) acceleration: f64,
     /// Strikes in order of the middles of their contacts.
     pub(crate) strikes: Vec<Strike>,
 }
 
-/// Places between which a strike lies: the index of the lower one, and the share of the upper one.
-pub(crate) fn between(position: f64, places: usize) -> (usize, f64) {
-    if places < 2 {
-        return (0, 0.0);
-    }
-    let along = position.clamp(0.0, 1.0) * (places - 1) as f64;
-    let lower = (along as usize).min(places - 2);
-    (lower, along - lower as f64)
-}
-
 impl Model {
-    /// Number of places with gains.
+    /// Number of coefficients of the gains along the object.
     pub(crate) fn places(&self) -> usize {
-        self.gains.first().map_or(1, Vec::len)
+        self.gains.iter().map(Vec::len).max().unwrap_or(1)
     }
 
     /// Pole of a mode as `s = -d + jω`.
@@ -56,11 +54,31 @@ impl Model {
         C64::new(-self.poles[mode].decay, self.poles[mode].angular)
     }
 
+    /// True if a strike rings a mode: the object's own, or one of the striker that strikes.
+    pub(crate) fn rings(&self, mode: usize, strike: &Strike) -> bool {
+        self.owners[mode].is_none_or(|owner| owner == strike.striker)
+    }
+
     /// Gain of a mode at a position.
     pub(crate) fn gain(&self, mode: usize, position: f64) -> C64 {
-        let gains = &self.gains[mode];
-        let (lower, share) = between(position, gains.len());
-        gains.get(lower + 1).map_or(gains[lower], |upper| gains[lower] * (1.0 - share) + upper * share)
+        Weights::at(position, self.gains[mode].len()).sum(&self.gains[mode])
+    }
+
+    /// Adds a mode with one gain for all positions.
+    pub(crate) fn push(&mut self, pole: Pole, gain: C64, owner: Option<usize>) {
+        let places = if owner.is_some() { 1 } else { self.places() };
+        self.poles.push(pole);
+        self.gains.push(vec![gain; places]);
+        self.owners.push(owner);
+    }
+
+    /// Drops the modes whose index is listed.
+    pub(crate) fn drop_modes(&mut self, dropped: &[usize]) {
+        let is_kept = |index: usize| !dropped.contains(&index);
+        let mut index = (0.., 0.., 0..);
+        self.poles.retain(|_| index.0.next().is_some_and(is_kept));
+        self.gains.retain(|_| index.1.next().is_some_and(is_kept));
+        self.owners.retain(|_| index.2.next().is_some_and(is_kept));
     }
 
     /// Number of parameters of a strike: middle, ln τ, ln m, and the position if there are places.
@@ -70,18 +88,40 @@ impl Model {
 
     /// Number of parameters that all strikes share: poles, gains and acceleration.
     pub(crate) fn shared_size(&self) -> usize {
-        self.poles.len() * (2 + 2 * self.places()) + 1
+        2 * self.poles.len() + 2 * self.gains.iter().map(Vec::len).sum::<usize>() + 1
     }
 
     /// Index of the first gain of a mode among the shared parameters.
     pub(crate) fn gain_column(&self, mode: usize) -> usize {
-        2 * self.poles.len() + 2 * mode * self.places()
+        2 * self.poles.len() + 2 * self.gains[..mode].iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// Indices of a mode's decay, angular frequency and gains among the shared parameters.
+    pub(crate) fn columns_of(&self, mode: usize) -> impl Iterator<Item = usize> + use<> {
+        let first = self.gain_column(mode);
+        [2 * mode, 2 * mode + 1].into_iter().chain(first..first + 2 * self.gains[mode].len())
     }
 
     /// Index of the strike with the largest peak, which fixes the unit of force.
     pub(crate) fn strongest(&self) -> usize {
         let peak = |index: &usize| self.strikes[*index].contact.peak;
         (0..self.strikes.len()).max_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap_or(0)
+    }
+
+    /// Indices of the strikes at the ends of the object, which fix the scale of positions.
+    ///
+    /// Both are among the stronger half of all strikes. `None` if there is one place.
+    pub(crate) fn ends(&self) -> Option<[usize; 2]> {
+        if self.places() < 2 {
+            return None;
+        }
+        let mut order: Vec<usize> = (0..self.strikes.len()).collect();
+        order.sort_by(|a, b| self.strikes[*b].contact.peak.total_cmp(&self.strikes[*a].contact.peak));
+        order.truncate(order.len().div_ceil(2));
+        let position = |index: &usize| self.strikes[*index].position;
+        let first = order.iter().copied().min_by(|a, b| position(a).total_cmp(&position(b)))?;
+        let last = order.iter().copied().max_by(|a, b| position(a).total_cmp(&position(b)))?;
+        Some([first, last])
     }
 
     /// Scales forces and gains so that the strongest strike has a peak of 1.
@@ -137,7 +177,7 @@ mod tests {
     use super::*;
 
     fn strike(middle: f64) -> Strike {
-        Strike { contact: Contact { middle, time: 20.0, peak: 1.0 }, position: 0.0 }
+        Strike { contact: Contact { middle, time: 20.0, peak: 1.0 }, position: 0.0, striker: 0 }
     }
 
     #[test]
@@ -151,14 +191,21 @@ mod tests {
     }
 
     #[test]
-    fn gain_between_two_places_is_interpolated() {
-        let model = Model {
+    fn own_mode_of_a_striker_rings_under_that_striker_alone() {
+        let mut model = Model {
             poles: vec![Pole { decay: 1e-3, angular: 0.1 }],
-            gains: vec![vec![C64::new(1.0, 0.0), C64::new(3.0, 2.0), C64::new(0.0, 0.0)]],
+            gains: vec![vec![C64::new(1.0, 0.0); 5]],
+            owners: vec![None],
             acceleration: 0.0,
-            strikes: Vec::new(),
+            strikes: vec![strike(100.0)],
         };
-        assert!((model.gain(0, 0.25) - C64::new(2.0, 1.0)).norm() < 1e-12);
-        assert!((model.gain(0, 1.0) - C64::new(0.0, 0.0)).norm() < 1e-12);
+        model.push(Pole { decay: 1e-3, angular: 0.3 }, C64::new(2.0, 0.0), Some(1));
+        let other = Strike { striker: 1, ..model.strikes[0] };
+        let rings = |mode: usize, strike: &Strike| model.rings(mode, strike);
+        assert!(rings(0, &model.strikes[0]) && rings(0, &other) && rings(1, &other) && !rings(1, &model.strikes[0]));
+        assert_eq!((model.shared_size(), model.gain_column(1), model.strike_size()), (17, 14, 4));
+        assert!((model.gain(0, 0.3) - C64::new(1.0, 0.0)).norm() < 1e-12);
+        model.drop_modes(&[0]);
+        assert_eq!((model.owners.as_slice(), model.gains.len(), model.poles.len()), (&[Some(1)][..], 1, 1));
     }
 }

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::model::{Model, Strike, between};
+use super::model::{Model, Strike};
+use super::spline::Weights;
 
 type C64 = Complex<f64>;
 const TURN: C64 = C64::new(0.0, 1.0);
@@ -62,13 +63,12 @@ impl Ringing {
         let places = model.places();
         let mut own = vec![vec![C64::new(0.0, 0.0); model.poles.len()]; model.strike_size()];
         for mode in 0..model.poles.len() {
-            let Effect { response, gain, slope, lower, share } = Effect::of(model, strike, mode, now as f64);
+            let Effect { response, gain, slope, weights } = Effect::of(model, strike, mode, now as f64);
             self.amplitudes[mode] += gain * response.value;
             self.by_pole[mode] += gain * response.by_pole;
             let peak = strike.contact.peak;
-            self.by_gain[mode * places + lower] += response.value * (peak * (1.0 - share));
-            if share > 0.0 {
-                self.by_gain[mode * places + lower + 1] += response.value * (peak * share);
+            for (by_gain, weight) in self.by_gain[mode * places + weights.first..].iter_mut().zip(weights.values()) {
+                *by_gain += response.value * (peak * weight);
             }
             own[0][mode] = gain * response.by_middle;
             own[1][mode] = gain * response.by_time * strike.contact.time;
@@ -93,12 +93,11 @@ impl Ringing {
 
     /// Derivatives as coefficients of `Re u, Re ju, Re v, Re jv` of each mode, `u = zⁿ, v = n zⁿ`.
     ///
-    /// There is a column for each parameter: those of the strikes that are heard, then the shared
-    /// ones. `extra` strikes without a term have columns between them.
+    /// There is a column for each parameter of the strikes that are heard, then of `extra` strikes
+    /// without a term.
     pub(super) fn columns(&self, model: &Model, extra: usize) -> DMatrix<f64> {
-        let (size, places) = (model.strike_size(), model.places());
-        let own = size * (self.heard() + extra);
-        let mut columns = DMatrix::zeros(4 * model.poles.len(), own + model.shared_size());
+        let size = model.strike_size();
+        let mut columns = DMatrix::zeros(4 * model.poles.len(), size * (self.heard() + extra));
         for (index, strike) in self.by_strike.iter().enumerate() {
             for (parameter, amplitudes) in strike.iter().enumerate() {
                 for (mode, amplitude) in amplitudes.iter().enumerate() {
@@ -107,24 +106,35 @@ impl Ringing {
                 }
             }
         }
-        for mode in 0..model.poles.len() {
+        columns
+    }
+
+    /// Derivatives by the shared parameters of each mode, as [`Ringing::columns`] has those of the
+    /// strikes.
+    ///
+    /// A mode's decay, frequency and gains change the mode alone, so that each block has four rows.
+    /// Its columns are decay, angular frequency, and the real and imaginary part of each gain.
+    pub(super) fn blocks(&self, model: &Model) -> Vec<DMatrix<f64>> {
+        let places = model.places();
+        let of_mode = |mode: usize| {
+            let mut block = DMatrix::zeros(4, 2 + 2 * model.gains[mode].len());
             let mut put = |row: usize, column: usize, value: C64| {
-                columns[(4 * mode + row, own + column)] = value.re;
-                columns[(4 * mode + row + 1, own + column)] = value.im;
+                block[(row, column)] = value.re;
+                block[(row + 1, column)] = value.im;
             };
             // Decay and angular frequency: s = -d + jω.
-            put(0, 2 * mode, -self.by_pole[mode]);
-            put(2, 2 * mode, -self.amplitudes[mode]);
-            put(0, 2 * mode + 1, TURN * self.by_pole[mode]);
-            put(2, 2 * mode + 1, TURN * self.amplitudes[mode]);
-            for place in 0..places {
+            put(0, 0, -self.by_pole[mode]);
+            put(2, 0, -self.amplitudes[mode]);
+            put(0, 1, TURN * self.by_pole[mode]);
+            put(2, 1, TURN * self.amplitudes[mode]);
+            for place in 0..model.gains[mode].len() {
                 let gain = self.by_gain[mode * places + place];
-                let column = model.gain_column(mode) + 2 * place;
-                put(0, column, gain);
-                put(0, column + 1, TURN * gain);
+                put(0, 2 + 2 * place, gain);
+                put(0, 3 + 2 * place, TURN * gain);
             }
-        }
-        columns
+            block
+        };
+        (0..model.poles.len()).map(of_mode).collect()
     }
 }
 
@@ -134,20 +144,21 @@ pub(super) struct Effect {
     /// Gain at the strike's position times its peak, and the derivative by the position.
     pub(super) gain: C64,
     pub(super) slope: C64,
-    /// Place below the position, and the share of the one above.
-    pub(super) lower: usize,
-    pub(super) share: f64,
+    /// Weights of the mode's gains at the position.
+    pub(super) weights: Weights,
 }
 
 impl Effect {
+    /// Effect of a strike; none on a mode that the strike does not ring.
     pub(super) fn of(model: &Model, strike: &Strike, mode: usize, sample: f64) -> Self {
         let gains = &model.gains[mode];
-        let (lower, share) = between(strike.position, gains.len());
-        let response = strike.contact.response(model.exponent(mode), sample);
+        let weights = Weights::at(strike.position, gains.len());
+        let response = if model.rings(mode, strike) {
+            strike.contact.response(model.exponent(mode), sample)
+        } else {
+            super::contact::Response::default()
+        };
         let peak = strike.contact.peak;
-        let slope = gains
-            .get(lower + 1)
-            .map_or(C64::new(0.0, 0.0), |upper| (upper - gains[lower]) * (peak * (gains.len() - 1) as f64));
-        Self { response, gain: model.gain(mode, strike.position) * peak, slope, lower, share }
+        Self { response, gain: weights.sum(gains) * peak, slope: weights.slope(gains) * peak, weights }
     }
 }

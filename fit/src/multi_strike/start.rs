@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::contact::{Contact, strength};
 use super::free::{Guard, amplitudes, energy_of, stretches};
 use super::model::{Model, Strike};
+use super::whitening::Whitening;
 use crate::modes::Pole;
 
 type C64 = Complex<f64>;
@@ -22,7 +23,7 @@ const TRIED: usize = 20;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;
 /// Reach of δ before and behind the moment, in seconds.
-const REACH_S: [f64; 2] = [3e-3, 4.5e-3];
+pub(super) const REACH_S: [f64; 2] = [3e-3, 4.5e-3];
 /// Step of δ in samples.
 const STEP: f64 = 0.5;
 /// Error of an amplitude that is allowed for beside the noise, as a share of it.
@@ -37,21 +38,38 @@ const STEADY: f64 = 6.0;
 const LEAST_MODES: usize = 4;
 
 /// Change of all modes' amplitudes by a strike.
-struct Change {
+pub(super) struct Change {
     /// Moment to which the amplitudes refer, in samples.
-    at: usize,
-    amplitudes: Vec<C64>,
+    pub(super) at: usize,
+    pub(super) amplitudes: Vec<C64>,
     /// Variances of the amplitudes, in full scale squared.
-    variances: Vec<f64>,
+    pub(super) variances: Vec<f64>,
+}
+
+/// A whitened recording with its filter, and the variance of its noise.
+pub(crate) struct White<'a> {
+    pub(crate) samples: &'a [f64],
+    pub(crate) whitening: &'a Whitening,
+    pub(crate) variance: f64,
 }
 
 /// Starting models from the strikes near `onsets`, one for each contact time tried, with misfits.
 ///
-/// The best fitting comes first. Strikes too close to their neighbours for an amplitude of their
-/// own are left out.
-pub(crate) fn starts(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<Model> {
-    let poles = &steady(&changes(samples, onsets, poles, rate_hz, variance), poles);
-    let changes = changes(samples, onsets, poles, rate_hz, variance);
+/// The best fitting comes first. Strikes that are not among the usable ones are left out, and those
+/// too close to their neighbours for an amplitude of their own.
+pub(crate) fn starts(
+    white: &White<'_>,
+    (onsets, usable): (&[usize], &[usize]),
+    poles: &[Pole],
+    rate_hz: f64,
+) -> Vec<Model> {
+    let usable_changes = |poles: &[Pole]| {
+        let mut changes = changes_of(white, onsets, poles, rate_hz);
+        changes.retain(|change| usable.contains(&change.at));
+        changes
+    };
+    let poles = &steady(&usable_changes(poles), poles);
+    let changes = usable_changes(poles);
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
@@ -106,22 +124,46 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
     }
     let change = Change { at, amplitudes: sums, variances };
     let exponents: Vec<C64> = (0..model.poles.len()).map(|mode| model.exponent(mode)).collect();
-    let gains: Vec<C64> = (0..model.poles.len()).map(|mode| model.gain(mode, 0.0)).collect();
-    let mut contact = on_grid(&change, &gains, &vec![0.0; gains.len()], &exponents, &grid(GRID, rate_hz), rate_hz);
-    (0..3).for_each(|_| improve(&mut contact, &change, &gains, &exponents));
-    contact.middle += at as f64;
-    Some(Strike { contact, position: 0.0 })
+    let silent = vec![0.0; model.poles.len()];
+    let times = grid(GRID, rate_hz);
+    let count = if model.places() > 1 { PLACES } else { 1 };
+    let strikers = model.strikes.iter().map(|strike| strike.striker).max().unwrap_or(0);
+    let tried = (0..count).flat_map(|place| (0..=strikers).map(move |striker| (place, striker)));
+    let of_place = |(place, striker): (usize, usize)| {
+        let mut strike = Strike { contact: NOWHERE, position: place as f64 / (PLACES - 1) as f64, striker };
+        let gain = |mode: usize| {
+            if model.rings(mode, &strike) { model.gain(mode, strike.position) } else { C64::new(0.0, 0.0) }
+        };
+        let gains: Vec<C64> = (0..model.poles.len()).map(gain).collect();
+        let mut contact = on_grid(&change, &gains, &silent, &exponents, &times, rate_hz);
+        (0..3).for_each(|_| improve(&mut contact, &change, &gains, &exponents));
+        let left = misfit(&contact, &change, &gains, &exponents);
+        strike.contact = Contact { middle: contact.middle + at as f64, ..contact };
+        (left, strike)
+    };
+    let found: Vec<(f64, Strike)> = tried.collect::<Vec<_>>().into_par_iter().map(of_place).collect();
+    found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, strike)| strike)
 }
 
+/// Number of positions at which a missing strike is tried.
+const PLACES: usize = 13;
+/// Contact of a strike that is not yet looked for.
+const NOWHERE: Contact = Contact { middle: 0.0, time: 1.0, peak: 0.0 };
+
 /// Contact times in samples that are tried.
-fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
+pub(super) fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
     let tried = |index: usize| rate_hz * TIMES_S[0] * (TIMES_S[1] / TIMES_S[0]).powf(index as f64 / (count - 1) as f64);
     (0..count).map(tried).collect()
 }
 
-fn changes(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<Change> {
-    let stretches = stretches(onsets, Guard::OF_CHANGE, samples.len(), rate_hz);
-    let amplitudes = amplitudes(samples, &stretches, poles);
+/// Changes of amplitudes by the strikes near `onsets`, from the whitened recording.
+///
+/// Strikes too close to their neighbours for an amplitude of their own are left out.
+pub(super) fn changes_of(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64) -> Vec<Change> {
+    let variance = white.variance;
+    let stretches = stretches(onsets, Guard::OF_CHANGE, white.samples.len(), rate_hz);
+    let amplitudes = amplitudes(white.samples, &stretches, poles);
+    let responses: Vec<C64> = poles.iter().map(|&pole| white.whitening.response(pole)[0]).collect();
     let mut changes = Vec::new();
     // Stretch before the strike whose amplitudes are known.
     let mut before: Option<usize> = None;
@@ -145,6 +187,9 @@ fn changes(samples: &[f64], onsets: &[usize], poles: &[Pole], rate_hz: f64, vari
             sums.push(sum);
         }
         before = Some(index);
+        // The filter scales each mode.
+        sums.iter_mut().zip(&responses).for_each(|(sum, response)| *sum /= response);
+        variances.iter_mut().zip(&responses).for_each(|(variance, response)| *variance /= response.norm_sqr());
         if is_alone {
             changes.push(Change { at, amplitudes: sums, variances });
         }
@@ -195,10 +240,12 @@ fn from_trial(
     let strikes = contacts.iter().zip(changes).map(|(contact, change)| Strike {
         contact: Contact { middle: change.at as f64 + contact.middle, ..*contact },
         position: 0.0,
+        striker: 0,
     });
     let mut model = Model {
         poles: poles.to_vec(),
         gains: gains.into_iter().map(|gain| vec![gain]).collect(),
+        owners: vec![None; poles.len()],
         acceleration: 0.0,
         strikes: strikes.collect(),
     };
@@ -243,14 +290,16 @@ fn on_grid(change: &Change, gains: &[C64], spreads: &[f64], exponents: &[C64], g
     best.1
 }
 
+/// What a contact leaves of a change, in units of its variances.
+fn misfit(contact: &Contact, change: &Change, gains: &[C64], exponents: &[C64]) -> f64 {
+    (change.amplitudes.iter().zip(&change.variances).zip(gains).zip(exponents))
+        .map(|(((a, variance), gain), s)| (a - gain * shape(contact, *s)).norm_sqr() / variance)
+        .sum()
+}
+
 /// Two damped Gauss-Newton steps of a contact's middle, ln τ and ln m at given gains.
 fn improve(contact: &mut Contact, change: &Change, gains: &[C64], exponents: &[C64]) {
-    let misfit = |contact: &Contact| -> f64 {
-        (change.amplitudes.iter().zip(&change.variances).zip(gains).zip(exponents))
-            .map(|(((a, variance), gain), s)| (a - gain * shape(contact, *s)).norm_sqr() / variance)
-            .sum()
-    };
-    let mut now = misfit(contact);
+    let mut now = misfit(contact, change, gains, exponents);
     let mut damping = 1e-3;
     for _ in 0..4 {
         let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
@@ -274,7 +323,7 @@ fn improve(contact: &mut Contact, change: &Change, gains: &[C64], exponents: &[C
             time: contact.time * step[1].clamp(-0.3, 0.3).exp(),
             peak: contact.peak * step[2].clamp(-0.7, 0.7).exp(),
         };
-        let then = misfit(&next);
+        let then = misfit(&next, change, gains, exponents);
         if then < now {
             (*contact, now) = (next, then);
             damping *= 0.1;

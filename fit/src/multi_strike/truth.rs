@@ -1,18 +1,27 @@
 //! The truth of a synthetic recording as a model, with the Cramer-Rao bounds of its numbers.
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::contact::Contact;
 use super::descend::{Fitted, deviations};
 use super::estimate::{Estimate, of_fit};
 use super::model::{Model, Strike};
+use super::spline::Weights;
 use super::synthetic::{StruckOften, TrueMode, TrueStrike};
 use super::whitening::Whitening;
 use crate::modes::Pole;
 
+/// Number of coefficients with which shapes along the object are described.
+const COEFFICIENTS: usize = 10;
+/// Number of positions at which a description meets its shape.
+const MET_AT: usize = 60;
+
 /// The truth as the fit's model.
 pub(crate) fn model_of(sound: &StruckOften) -> Model {
-    let gain = |mode: &TrueMode| vec![Complex::new(mode.gain[1], -mode.gain[0]) / sound.rate_hz];
+    let gains = |mode: &TrueMode| {
+        let gain = Complex::new(mode.gain[1], -mode.gain[0]) / sound.rate_hz;
+        shape_of(mode).into_iter().map(|shape| gain * shape).collect()
+    };
     let pole = |mode: &TrueMode| Pole::new(mode.frequency_hz, mode.decay_per_s, sound.rate_hz);
     let strike = |strike: &TrueStrike| Strike {
         contact: Contact {
@@ -20,14 +29,33 @@ pub(crate) fn model_of(sound: &StruckOften) -> Model {
             time: strike.contact_time_s * sound.rate_hz,
             peak: strike.peak_force,
         },
-        position: 0.0,
+        position: strike.position,
+        striker: strike.striker,
     };
     Model {
         poles: sound.modes.iter().map(pole).collect(),
-        gains: sound.modes.iter().map(gain).collect(),
+        gains: sound.modes.iter().map(gains).collect(),
+        owners: sound.modes.iter().map(|mode| mode.striker).collect(),
         acceleration: 0.0,
         strikes: sound.strikes.iter().map(strike).collect(),
     }
+}
+
+/// Coefficients of a mode's shape: 1 for all positions alike, or the spline nearest to it.
+fn shape_of(mode: &TrueMode) -> Vec<f64> {
+    if mode.shape[0] == 0.0 {
+        return vec![mode.shape_at(0.0)];
+    }
+    let position = |index: usize| index as f64 / (MET_AT - 1) as f64;
+    let mut rows = DMatrix::zeros(MET_AT, COEFFICIENTS);
+    for row in 0..MET_AT {
+        let weights = Weights::at(position(row), COEFFICIENTS);
+        weights.values().iter().enumerate().for_each(|(index, weight)| rows[(row, weights.first + index)] = *weight);
+    }
+    let values = DVector::from_fn(MET_AT, |row, _| mode.shape_at(position(row)));
+    let normal = rows.tr_mul(&rows);
+    let nearest = normal.cholesky().map(|factor| factor.solve(&rows.tr_mul(&values)));
+    nearest.map_or_else(Vec::new, |nearest| nearest.iter().copied().collect())
 }
 
 /// The truth with the Cramer-Rao bounds of all numbers together, as standard deviations.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DMatrixViewMut};
 
 use crate::modes::Pole;
 
@@ -76,22 +76,25 @@ impl Whitening {
         sums
     }
 
-    /// Columns of coefficients of `Re u, Re ju, Re v, Re jv` of each mode, filtered.
+    /// Columns of coefficients of `Re u, Re ju, Re v, Re jv` of each mode, filtered in place.
+    pub(crate) fn filter_columns(&self, columns: &mut DMatrix<f64>, poles: &[Pole]) {
+        for (mode, &pole) in poles.iter().enumerate() {
+            self.filter_rows_of(pole, &mut columns.rows_mut(4 * mode, 4));
+        }
+    }
+
+    /// The four rows of one mode, filtered in place.
     ///
     /// `zⁿ` becomes `W zⁿ`, and `n zⁿ` becomes `W n zⁿ + W' zⁿ`.
-    pub(crate) fn of_columns(&self, mut columns: DMatrix<f64>, poles: &[Pole]) -> DMatrix<f64> {
-        for (mode, &pole) in poles.iter().enumerate() {
-            let [plain, slope] = self.response(pole);
-            for mut column in columns.column_iter_mut() {
-                let u = Complex::new(column[4 * mode], column[4 * mode + 1]);
-                let v = Complex::new(column[4 * mode + 2], column[4 * mode + 3]);
-                let (u, v) = (plain * u + slope * v, plain * v);
-                for (row, value) in [u.re, u.im, v.re, v.im].into_iter().enumerate() {
-                    column[4 * mode + row] = value;
-                }
+    pub(crate) fn filter_rows_of(&self, pole: Pole, rows: &mut DMatrixViewMut<'_, f64>) {
+        let [plain, slope] = self.response(pole);
+        for mut column in rows.column_iter_mut() {
+            let (u, v) = (Complex::new(column[0], column[1]), Complex::new(column[2], column[3]));
+            let (u, v) = (plain * u + slope * v, plain * v);
+            for (row, value) in [u.re, u.im, v.re, v.im].into_iter().enumerate() {
+                column[row] = value;
             }
         }
-        columns
     }
 }
 

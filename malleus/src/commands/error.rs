@@ -86,6 +86,12 @@ pub(crate) enum CommandError {
     OneRendering { inputs: usize },
     #[error("--events writes the strikes of one recording, and {inputs} are given: fit that one alone")]
     OneEvents { inputs: usize },
+    #[error(
+        "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --log and --limit"
+    )]
+    PartsOnBoard { file: String },
+    #[error("a part of the kit cannot be played alone: {error}")]
+    Parts { error: String },
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
+use indicatif::ProgressBar;
 use malleus::report;
 use malleus::wave::write_mono;
 use rayon::prelude::*;
@@ -72,14 +73,17 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
             name,
         })
         .collect();
-    let bar = progress(jobs.len() as u64, "fitting");
+    let steps = if arguments.events.is_some() { fit_strikes::STEPS } else { 1 };
+    let bar = progress(steps * jobs.len() as u64, "fitting");
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build().map_err(CommandError::Workers)?;
     let said = Mutex::new(());
     let rows: Vec<Row> = workers.install(|| {
         jobs.par_iter()
             .map(|job| {
-                let outcome = fit_one(arguments, job);
-                bar.inc(1);
+                let outcome = fit_one(arguments, job, &bar);
+                if arguments.events.is_none() {
+                    bar.inc(1);
+                }
                 if let Outcome::Failed { error } = &outcome {
                     let _one_at_a_time = said.lock();
                     bar.suspend(|| eprintln!("malleus: {error}"));
@@ -109,14 +113,14 @@ fn make_folder(path: &Path) -> Result<(), CommandError> {
         .map_err(|cause| CommandError::File(::kit::file::FileError { action: "made", path: path.to_owned(), cause }))
 }
 
-fn fit_one(arguments: &FitArguments, job: &Job) -> Outcome {
+fn fit_one(arguments: &FitArguments, job: &Job, bar: &ProgressBar) -> Outcome {
     let wanted =
         [Some(job.table.as_path()), arguments.render.as_deref(), arguments.events.as_deref(), job.page.as_deref()];
     if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
         return Outcome::Skipped;
     }
     let outcome = match (arguments.dynamic_filter, &arguments.events) {
-        (None, Some(events)) => fit_strikes::fit_and_write(arguments, job, events)
+        (None, Some(events)) => fit_strikes::fit_and_write(arguments, job, events, bar)
             .map(|report| Outcome::Together { report: Box::new(report) }),
         (None, None) => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
         (Some(beside), _) => fit_filter::fit_and_write(arguments, job, beside)

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::audio;
-use ::fit::multi_strike::{self, Estimate};
+use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
+use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::fit_job::{Job, with_file};
@@ -23,8 +24,18 @@ pub(crate) struct StrikesReport {
     pub(crate) seconds: f64,
 }
 
+/// Steps of the progress bar of one recording.
+pub(super) const STEPS: u64 = 100;
+
 /// Fits all strikes together, and writes the table and, at `events`, the events that replay it.
-pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, events: &Path) -> Result<StrikesReport, String> {
+///
+/// `bar` moves with the work.
+pub(super) fn fit_and_write(
+    arguments: &FitArguments,
+    job: &Job,
+    events: &Path,
+    bar: &ProgressBar,
+) -> Result<StrikesReport, String> {
     let start = std::time::Instant::now();
     if arguments.estimator != EstimatorName::Modal {
         return Err("`--events` needs the estimator `modal`: leave `--estimator` out".to_owned());
@@ -32,7 +43,9 @@ pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, events: &Path) 
     let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
     let mut settings = ::fit::modes::Settings::default();
     settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
-    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings)
+    let layout = Layout { positions: usize::from(arguments.positions), strikers: usize::from(arguments.strikers) };
+    let told = |share: f64| bar.set_position((share * STEPS as f64) as u64);
+    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings, layout, told)
         .map_err(|error| format!("{}: {error}", job.input.display()))?;
     let provenance = provenance(&job.input, &estimate, arguments);
     let table = multi_strike::table(&estimate, &provenance);

@@ -10,6 +10,7 @@ use dsp_core::table::Kit;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::Level;
+use malleus::render::own_force::Part;
 use malleus::render::{Performance, board, instrument, own_force, reference};
 use malleus::{events, wave};
 use serde::Serialize;
@@ -31,7 +32,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if loaded.kit.pads.is_empty() {
         return Err(CommandError::NoPads { kit: name.clone() });
     }
-    let (rate, performance) = read_performance(arguments, &loaded.kit, &table)?;
+    let (rate, performance, parts) = read_performance(arguments, &loaded.kit, &table)?;
     let seconds = performance.frames as f64 / rate.hz();
     if seconds > LONGEST_S {
         let strikes = arguments.strikes.as_ref().map(|path| path.display().to_string());
@@ -40,7 +41,9 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     }
     let mut work = Work::default();
     let budget_cycles = budget_cycles(arguments, &performance, rate);
-    let (frames, level) = if arguments.reference {
+    let (frames, level) = if !parts.is_empty() {
+        play_parts(arguments, &performance, &parts, rate)?
+    } else if arguments.reference {
         let left_out = reference::leaves_out(&loaded.kit);
         if !left_out.is_empty() {
             eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
@@ -152,7 +155,7 @@ fn read_performance(
     arguments: &PlayArguments,
     kit: &kit::Kit,
     table: &Kit<'_>,
-) -> Result<(SampleRate, Performance), CommandError> {
+) -> Result<(SampleRate, Performance, Vec<Part>), CommandError> {
     if let (Some(direct), Some(pad)) = (&arguments.direct, &arguments.pad) {
         let (path, channel) = split_channel(direct);
         let pad = (0u8..).zip(&kit.pads).find(|(_, candidate)| candidate.name == *pad).map(|(index, _)| index);
@@ -168,7 +171,7 @@ fn read_performance(
             return Err(CommandError::RateMismatch { file, file_rate: force.rate, rate });
         }
         let performance = Performance::new(Vec::new(), Some((pad, force.samples)), kit, rate, arguments.tail);
-        return Ok((rate, performance));
+        return Ok((rate, performance, Vec::new()));
     }
     let rate = arguments.board.map(board::rate).or(arguments.rate).unwrap_or(SampleRate::HZ_48000);
     let path = arguments.strikes.as_deref().unwrap_or(Path::new(""));
@@ -177,7 +180,65 @@ fn read_performance(
         eprintln!("malleus: {}: {remark}", path.display());
     }
     let direct = own_force::direct(&list.strikes, kit, rate);
-    Ok((rate, Performance::new(list.events, direct, kit, rate, arguments.tail)))
+    let parts = own_force::parts(&list.strikes, kit, rate);
+    if !parts.is_empty() && (arguments.board.is_some() || arguments.log.is_some() || arguments.limit.is_some()) {
+        return Err(CommandError::PartsOnBoard { file: path.display().to_string() });
+    }
+    Ok((rate, Performance::new(list.events, direct, kit, rate, arguments.tail), parts))
+}
+
+/// Renders the parts of strikes at several positions or with several strikers, and adds them up.
+///
+/// Strikes by a striker's law are played on the kit itself; all other events act on every part.
+fn play_parts(
+    arguments: &PlayArguments,
+    performance: &Performance,
+    parts: &[Part],
+    rate: SampleRate,
+) -> Result<(Vec<[i32; 2]>, Level), CommandError> {
+    let bar = progress((parts.len() * performance.frames) as u64, "playing");
+    let others: Vec<Event> =
+        performance.events.iter().filter(|event| event.action != Action::Strike).copied().collect();
+    let is_struck = others.len() < performance.events.len();
+    let kit = kit::open(&arguments.kit)?.kit;
+    let by_law = is_struck.then(|| (kit, Performance { direct: None, ..performance.clone() }));
+    let of_part = |part: &Part| {
+        let mut kit = part.kit.clone();
+        // The kit itself sounds its background.
+        kit.background = if is_struck { None } else { kit.background };
+        let (events, direct) = (others.clone(), Some(part.direct.clone()));
+        (kit, Performance { events, direct, frames: performance.frames })
+    };
+    let (mut exact, mut bus) = (vec![[0.0; 2]; performance.frames], vec![[0i32; 2]; performance.frames]);
+    for (index, (kit, performance)) in by_law.into_iter().chain(parts.iter().map(of_part)).enumerate() {
+        let before = index * performance.frames;
+        let name = || arguments.kit.clone();
+        if arguments.reference {
+            let done = |done: usize| bar.set_position((before + done) as u64);
+            let sound = reference::render(&kit, &performance, rate, done)
+                .map_err(|error| CommandError::Reference { kit: name(), error })?;
+            exact.iter_mut().zip(sound).for_each(|(sum, x)| *sum = [sum[0] + x[0], sum[1] + x[1]]);
+            continue;
+        }
+        let binary = kit::binary::build(&kit).map_err(|error| CommandError::Parts { error: error.to_string() })?;
+        let table = Kit::parse(&binary).map_err(|error| CommandError::Table { kit: name(), error })?;
+        let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
+        let setup = Setup { skipping, ..Setup::new(rate) };
+        let settings = Settings { setup, block: arguments.block as usize, budget_cycles: None };
+        let observe = |report: &TickReport| bar.set_position(before as u64 + report.frame);
+        let sound = instrument::render_logged(&table, &performance, settings, Output::Bus, observe, |_| {})
+            .map_err(|error| CommandError::Render { kit: name(), error })?;
+        let add = |sum: i32, x: i32| sum.saturating_add(x);
+        bus.iter_mut().zip(sound).for_each(|(sum, x)| *sum = [add(sum[0], x[0]), add(sum[1], x[1])]);
+    }
+    bar.finish_and_clear();
+    if arguments.reference {
+        let level = Level::of_reference(&exact);
+        return Ok((exact.into_iter().map(|frame| frame.map(::reference::scene::quantise_24)).collect(), level));
+    }
+    let level = Level::of_bus(&bus);
+    dsp_core::output::to_24_bit(&mut bus);
+    Ok((bus, level))
 }
 
 /// Refuses to write sound or log over the kit, the events or the force that are played.

@@ -21,7 +21,7 @@ const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = MIN_CONTACT_TIME_S..=MAX_
 /// An empty `position` means 0, an empty `striker` the pad's first one, and an empty `action` a
 /// strike. `velocity` may be empty for a choke or a release. A strike with `peak_force` (newtons)
 /// or `contact_time_s` has them instead of what its striker's law makes of the velocity; all such
-/// strikes are on one pad, at position 0. Lines that begin with `#` are comments.
+/// strikes are on one pad. Lines that begin with `#` are comments.
 ///
 /// # Errors
 /// [`EventsFault`] for bytes that are not text in UTF-8, and for the first wrong field, with its
@@ -189,11 +189,8 @@ impl Row<'_> {
         if event.action != Action::Strike {
             return Err(self.fault(column, "only a strike has a force of its own".to_owned()));
         }
-        if event.position != 0.0 {
-            return Err(self.fault("position", "must be 0 for a strike with a force of its own".to_owned()));
-        }
-        let Event { time, pad, velocity, striker, .. } = event;
-        Ok(Some(OwnForce { time, pad, striker, velocity, peak_force, contact_time_s }))
+        let Event { time, pad, velocity, striker, position, .. } = event;
+        Ok(Some(OwnForce { time, pad, striker, position, velocity, peak_force, contact_time_s }))
     }
 
     /// A number of a column that may be empty.

@@ -10,7 +10,7 @@ pub struct EventList {
     pub events: Vec<Event>,
     /// Strikes with a force of their own, in order of time.
     ///
-    /// All are on one pad, at position 0.
+    /// All are on one pad.
     pub strikes: Vec<OwnForce>,
     /// Remarks for the user, such as MIDI notes that no pad plays.
     pub remarks: Vec<String>,
@@ -25,6 +25,8 @@ pub struct OwnForce {
     pub pad: u8,
     /// Number of the pad's striker, counted from 0; it makes the pulse's shape.
     pub striker: u8,
+    /// Position along the object, 0 to 1.
+    pub position: f32,
     /// Velocity, 0 to 1, for what the law still decides.
     pub velocity: f32,
     /// Peak force in newtons; `None` for that of the law.

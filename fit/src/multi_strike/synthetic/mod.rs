@@ -3,7 +3,13 @@
 //! The forces are half-sines whose onsets lie between samples. The sound is computed from the
 //! closed form of each mode's motion; no code is shared with the fit.
 
+mod places;
+mod room;
+
 use std::f64::consts::{PI, TAU};
+
+pub use places::at_places;
+pub use room::in_room;
 
 use crate::random::SplitMix64;
 
@@ -14,7 +20,7 @@ pub struct StruckOften {
     pub samples: Vec<f64>,
     /// Sample rate in Hz.
     pub rate_hz: f64,
-    /// Modes of the object in order of frequency.
+    /// Modes of the object in order of frequency, then those of the strikers.
     pub modes: Vec<TrueMode>,
     /// Strikes in order of time.
     pub strikes: Vec<TrueStrike>,
@@ -31,12 +37,22 @@ pub struct TrueMode {
     pub decay_per_s: f64,
     /// Gains `[sine, cosine]` in output per newton-second.
     pub gain: [f64; 2],
+    /// Numbers a and b of the shape `cos(π (a x + b))` along the object, by which the gains are
+    /// multiplied.
+    pub shape: [f64; 2],
+    /// Striker whose own mode it is; `None` for a mode of the object.
+    pub striker: Option<usize>,
 }
 
 impl TrueMode {
     /// T60 in seconds.
     pub fn t60_s(&self) -> f64 {
         1000f64.ln() / self.decay_per_s
+    }
+
+    /// Factor of the gains at a position from 0 to 1.
+    pub fn shape_at(&self, position: f64) -> f64 {
+        (PI * (self.shape[0] * position + self.shape[1])).cos()
     }
 }
 
@@ -49,6 +65,10 @@ pub struct TrueStrike {
     pub contact_time_s: f64,
     /// Peak of the force, 1 for the strongest strike.
     pub peak_force: f64,
+    /// Position along the object, 0 to 1.
+    pub position: f64,
+    /// Number of the striker.
+    pub striker: usize,
 }
 
 impl TrueStrike {
@@ -80,93 +100,7 @@ pub fn plain(seed: u64, seconds: f64, count: usize, noise_dbfs: f64) -> StruckOf
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5712_1CE5);
     let modes = modes(&mut random);
     let strikes = strikes(&mut random, seconds, count);
-    render(modes, strikes, seconds, &mut random, noise_dbfs)
-}
-
-/// Many strikes at one place of an object in a room: the set *room*.
-///
-/// Object and strikes are those of [`plain`]. The room answers with noise that decays with a T60 of
-/// 0.35 to 0.8 s, shorter at high frequencies, and has 9 to 14 dB less energy than the direct
-/// sound. Pink noise has -56 dBFS rms.
-pub fn in_room(seed: u64, seconds: f64, count: usize) -> StruckOften {
-    let mut sound = plain(seed, seconds, count, -200.0);
-    let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x0005_0077);
-    let t60_s = 0.35 + 0.45 * random.uniform();
-    let level = 10f64.powf(-(9.0 + 5.0 * random.uniform()) / 20.0);
-    let reflected = convolved(&sound.samples, &room_response(&mut random, t60_s, level));
-    sound.noise_rms = 10f64.powf(PINK_DBFS / 20.0);
-    let pink = pink_noise(&mut random, sound.samples.len());
-    let step = 2f64.powi(-23);
-    for ((sample, reflected), pink) in sound.samples.iter_mut().zip(&reflected).zip(&pink) {
-        *sample = ((*sample + reflected + sound.noise_rms * pink) / step).round() * step;
-    }
-    sound
-}
-
-/// Level of the pink noise of [`in_room`] in dBFS rms.
-const PINK_DBFS: f64 = -56.0;
-
-/// Noise in two bands, split at 2 kHz, that decays; its energy is `level²`.
-fn room_response(random: &mut SplitMix64, t60_s: f64, level: f64) -> Vec<f64> {
-    let length = (1.2 * t60_s * RATE_HZ) as usize;
-    let smoothing = (-TAU * 2_000.0 / RATE_HZ).exp();
-    let mut low = 0.0;
-    let mut response: Vec<f64> = (0..length)
-        .map(|n| {
-            let white = random.normal();
-            low = smoothing * low + (1.0 - smoothing) * white;
-            let t = n as f64 / RATE_HZ;
-            let fall = |t60_s: f64| (-1000f64.ln() * t / t60_s).exp();
-            low * fall(t60_s) + (white - low) * fall(0.7 * t60_s)
-        })
-        .collect();
-    let energy: f64 = response.iter().map(|x| x * x).sum();
-    response.iter_mut().for_each(|x| *x *= level / energy.sqrt());
-    response
-}
-
-/// Pink noise of rms 1: white noise through `1/sqrt(f)` above 10 Hz.
-fn pink_noise(random: &mut SplitMix64, length: usize) -> Vec<f64> {
-    let size = length.next_power_of_two();
-    let (forward, inverse) = (fourier::forward(size), fourier::inverse(size));
-    let mut noise: Vec<f64> = (0..size).map(|_| random.normal()).collect();
-    let mut bins = forward.make_output_vec();
-    let is_made = forward.process(&mut noise, &mut bins).is_ok();
-    for (index, bin) in bins.iter_mut().enumerate() {
-        *bin /= (index as f64 * RATE_HZ / size as f64).max(10.0).sqrt();
-    }
-    bins[0] = fourier::Complex::new(0.0, 0.0);
-    if let Some(last) = bins.last_mut() {
-        last.im = 0.0;
-    }
-    let is_made = is_made && inverse.process(&mut bins, &mut noise).is_ok();
-    assert!(is_made, "the lengths are those of the plans");
-    noise.truncate(length);
-    let rms = (noise.iter().map(|x| x * x).sum::<f64>() / length as f64).sqrt();
-    noise.iter_mut().for_each(|x| *x /= rms);
-    noise
-}
-
-/// Convolution of two sounds, as long as the first.
-fn convolved(samples: &[f64], response: &[f64]) -> Vec<f64> {
-    let size = (samples.len() + response.len()).next_power_of_two();
-    let (forward, inverse) = (fourier::forward(size), fourier::inverse(size));
-    let spectrum = |sound: &[f64]| {
-        let mut padded = sound.to_vec();
-        padded.resize(size, 0.0);
-        let mut bins = forward.make_output_vec();
-        assert!(forward.process(&mut padded, &mut bins).is_ok(), "the lengths are those of the plan");
-        bins
-    };
-    let (mut product, other) = (spectrum(samples), spectrum(response));
-    product.iter_mut().zip(&other).for_each(|(a, b)| *a *= b);
-    let last = product.len() - 1;
-    (product[0].im, product[last].im) = (0.0, 0.0);
-    let mut sound = inverse.make_output_vec();
-    assert!(inverse.process(&mut product, &mut sound).is_ok(), "the lengths are those of the plan");
-    sound.truncate(samples.len());
-    sound.iter_mut().for_each(|x| *x /= size as f64);
-    sound
+    render(modes, strikes, seconds, noise_dbfs, |length| (0..length).map(|_| random.normal()).collect())
 }
 
 fn modes(random: &mut SplitMix64) -> Vec<TrueMode> {
@@ -187,6 +121,8 @@ fn modes(random: &mut SplitMix64) -> Vec<TrueMode> {
             frequency_hz,
             decay_per_s: 1000f64.ln() / t60_s.clamp(0.06, 3.0),
             gain: [level * phase.cos(), level * phase.sin()],
+            shape: [0.0; 2],
+            striker: None,
         }
     };
     frequencies.into_iter().map(of_frequency).collect()
@@ -207,6 +143,8 @@ fn strikes(random: &mut SplitMix64, seconds: f64, count: usize) -> Vec<TrueStrik
                 at_s: 0.05 + place * free_s + LEAST_GAP_S * index as f64,
                 contact_time_s: hardest_s * peak_force.powf(-1.0 / 6.0) * (0.05 * random.normal()).exp(),
                 peak_force,
+                position: 0.0,
+                striker: 0,
             }
         })
         .collect();
@@ -219,20 +157,21 @@ fn render(
     mut modes: Vec<TrueMode>,
     strikes: Vec<TrueStrike>,
     seconds: f64,
-    random: &mut SplitMix64,
     noise_dbfs: f64,
+    noise: impl FnOnce(usize) -> Vec<f64>,
 ) -> StruckOften {
     let mut samples = vec![0.0; (seconds * RATE_HZ) as usize];
     for strike in &strikes {
-        for mode in &modes {
+        for mode in modes.iter().filter(|mode| mode.striker.is_none_or(|striker| striker == strike.striker)) {
             add_response(mode, strike, &mut samples);
         }
     }
     let peak = samples.iter().fold(f64::MIN_POSITIVE, |peak: f64, x| peak.max(x.abs()));
     let noise_rms = 10f64.powf(noise_dbfs / 20.0);
     let step = 2f64.powi(-23);
-    for sample in &mut samples {
-        *sample = ((*sample * PEAK / peak + noise_rms * random.normal()) / step).round() * step;
+    let noise = noise(samples.len());
+    for (sample, noise) in samples.iter_mut().zip(noise) {
+        *sample = ((*sample * PEAK / peak + noise_rms * noise) / step).round() * step;
     }
     for mode in &mut modes {
         mode.gain = mode.gain.map(|gain| gain * PEAK / peak);
@@ -265,6 +204,7 @@ fn add_response(mode: &TrueMode, strike: &TrueStrike, samples: &mut [f64]) {
         [0.5 * (first[1] - second[1]), -0.5 * (first[0] - second[0])]
     };
     let whole = integral(strike.contact_time_s);
+    let gain = mode.gain.map(|gain| gain * mode.shape_at(strike.position));
     let first = (strike.at_s * RATE_HZ).ceil().max(0.0) as usize;
     // Until the mode has decayed by 160 dB.
     let last = first + ((18.4 / decay + strike.contact_time_s) * RATE_HZ) as usize;
@@ -274,7 +214,7 @@ fn add_response(mode: &TrueMode, strike: &TrueStrike, samples: &mut [f64]) {
         let [re, im] = if t < strike.contact_time_s { integral(t) } else { whole };
         let (sine, cosine) = (angular * t).sin_cos();
         let motion = [re * cosine - im * sine, re * sine + im * cosine];
-        let [sine_gain, cosine_gain] = mode.gain;
+        let [sine_gain, cosine_gain] = gain;
         *sample += strike.peak_force * (-decay * t).exp() * (sine_gain * motion[1] + cosine_gain * motion[0]);
     }
 }
@@ -285,8 +225,10 @@ mod tests {
 
     #[test]
     fn motion_under_a_half_sine_is_the_convolution_with_it() {
-        let mode = TrueMode { frequency_hz: 1_700.0, decay_per_s: 40.0, gain: [0.8, -0.3] };
-        let strike = TrueStrike { at_s: 10.3 / RATE_HZ, contact_time_s: 0.7e-3, peak_force: 0.5 };
+        let mode =
+            TrueMode { frequency_hz: 1_700.0, decay_per_s: 40.0, gain: [0.8, -0.3], shape: [0.3, 0.1], striker: None };
+        let strike =
+            TrueStrike { at_s: 10.3 / RATE_HZ, contact_time_s: 0.7e-3, peak_force: 0.5, position: 0.4, striker: 0 };
         let mut samples = vec![0.0; 200];
         add_response(&mode, &strike, &mut samples);
         for (n, given) in samples.iter().enumerate() {
@@ -299,6 +241,7 @@ mod tests {
                 .map(|u| {
                     let (sine, cosine) = (TAU * mode.frequency_hz * (t - u)).sin_cos();
                     let force = strike.peak_force * (PI * u / strike.contact_time_s).sin();
+                    let force = force * (PI * 0.22).cos();
                     force * (-mode.decay_per_s * (t - u)).exp() * (mode.gain[0] * sine + mode.gain[1] * cosine) * width
                 })
                 .sum();
