@@ -5,6 +5,7 @@
 //! sets and the first seed.
 
 mod nmf;
+mod robot;
 
 use std::time::Instant;
 
@@ -78,5 +79,6 @@ fn main() {
     print("striker", &ours[1]);
     print("thing, NMF", &theirs[0]);
     print("striker, NMF", &theirs[1]);
+    robot::print();
     println!("left of the recordings   median {:6.2} dB", quantile(&left, 0.5));
 }

@@ -33,7 +33,13 @@ const MOST_STRETCHES: usize = 4;
 /// Maximum number of passes of search and refinement.
 const PASSES: usize = 20;
 /// Refinement between passes. The ridge keeps two modes in one place from cancelling.
-const BETWEEN: Ending = Ending { steps: 6, gain: 1e-2, ridge: 1e-5 };
+const BETWEEN: Ending = Ending { steps: 4, gain: 1e-2, ridge: 1e-5 };
+/// Refinement at the end.
+const LAST: Ending = Ending { steps: 12, ..BETWEEN };
+/// Refinement after modes were dropped.
+const AFTER_DROPPING: Ending = Ending { steps: 2, ..BETWEEN };
+/// Least share of modes that a pass has to add; with fewer the search goes on to the next parts.
+const LEAST_GROWTH: f64 = 0.02;
 /// Largest ratio of significance to a part's strongest candidate in one pass.
 const IN_ONE_PASS: f64 = 100.0;
 
@@ -130,15 +136,21 @@ pub(super) fn common_modes(
             with_one = true;
             continue;
         }
+        let before = owned.poles.len();
         for (part, candidate) in candidates {
             owned.poles.push(candidate.pole);
             owned.part.push(part);
         }
-        let before = owned.poles.len();
         (owned, model, noise) = search.pruned(owned, BETWEEN)?;
         log_pass(pass, before, owned.poles.len());
+        if (owned.poles.len() as f64) < (1.0 + LEAST_GROWTH) * before as f64 {
+            if with_one {
+                break;
+            }
+            with_one = true;
+        }
     }
-    let (owned, _, _) = search.pruned(owned, Ending { steps: 20, ..BETWEEN })?;
+    let (owned, _, _) = search.pruned(owned, LAST)?;
     Some(owned)
 }
 
@@ -173,9 +185,10 @@ impl Search<'_> {
     /// The refined model without modes that have left the range, or that explain too little with
     /// all partners but one.
     fn pruned(&self, owned: Owned, ending: Ending) -> Option<(Owned, Model, Vec<NoiseFloor>)> {
-        let mut owned = owned;
+        let (mut owned, mut ending) = (owned, ending);
         loop {
             let (model, noise) = self.refined(&owned, ending)?;
+            ending = AFTER_DROPPING;
             owned.poles.clone_from(&model.poles);
             let least: Vec<f64> =
                 (0..owned.poles.len()).map(|pole| self.excess(&owned, &model, &noise, pole)).collect();
