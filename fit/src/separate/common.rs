@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::parts::Parts;
+use super::parts::{Parts, common};
 use crate::modes::{
     Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine_shared, stands_out,
 };
@@ -289,13 +289,8 @@ impl Search<'_> {
             sums.iter_mut().zip(&spectra[group]).for_each(|(sum, energy)| *sum += energy);
         }
         let of_partner: Vec<Vec<f64>> = of_partner.into_iter().flatten().collect();
-        let common: Vec<f64> = (0..length)
-            .map(|bin| {
-                let most = of_partner.iter().map(|sums| sums[bin]).fold(0.0, f64::max);
-                let all: f64 = of_partner.iter().map(|sums| sums[bin]).sum();
-                if of_partner.len() > 1 { all - most } else { all }
-            })
-            .collect();
+        let common: Vec<f64> =
+            (0..length).map(|bin| common(of_partner.iter().map(|sums| sums[bin]), of_partner.len())).collect();
         let peaks = parabola::peaks(&common);
         peaks
             .map(|(place, significance)| {

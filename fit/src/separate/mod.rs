@@ -57,10 +57,10 @@ pub struct PartMode {
     pub frequency_hz: f64,
     /// Decay rate in 1/s.
     pub decay_per_s: f64,
-    /// Gain and phase in the part's loudest blow, for a force of unit impulse: the sound is
-    /// `Σ F[m] Re(g z^(n-m))`, real and imaginary part of g.
+    /// Gains `[sine, cosine]` in output per newton-second, as tables define them, in the part's
+    /// loudest blow, the force of which has a peak of 1.
     pub gain: [f64; 2],
-    /// Mean energy over the part's recordings, relative to the part's strongest mode, in dB.
+    /// Energy heard in the part's recordings, relative to the part's strongest mode, in dB.
     pub level_db: f64,
 }
 

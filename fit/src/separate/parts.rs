@@ -43,11 +43,7 @@ impl Parts {
         partners.len()
     }
 
-    /// Energies that a part explains in recordings, summed, without the partner of which it
-    /// explains most.
-    ///
-    /// A mode that is loud with one partner only is that partner's, so that one does not speak for
-    /// it. A part with a single partner has all of its energy.
+    /// Energies that a part explains in recordings, summed by partner, as [`common`] weighs them.
     pub(super) fn shared(&self, part: usize, energies: impl Iterator<Item = (usize, f64)>) -> f64 {
         let mut of_partner = vec![0.0; self.count];
         for (clip, energy) in energies {
@@ -55,8 +51,28 @@ impl Parts {
                 of_partner[partner] += energy;
             }
         }
-        let all: f64 = of_partner.iter().sum();
-        let most = of_partner.iter().copied().fold(0.0, f64::max);
-        if self.partners(part) > 1 { all - most } else { all }
+        common(of_partner.into_iter(), self.partners(part))
+    }
+}
+
+/// Largest ratio of what a mode explains with one partner to what it explains with the next: 17 dB.
+const DOMINANT: f64 = 50.0;
+
+/// Energy that speaks for a mode, of the energies that it explains with each partner of its part.
+///
+/// A mode that is loud with one partner only is that partner's: so that partner does not speak for
+/// it, and nothing does if one partner has 17 dB more than any other. A part with a single partner
+/// has all of its energy.
+pub(super) fn common(of_partner: impl Iterator<Item = f64>, partners: usize) -> f64 {
+    let (mut all, mut most, mut next) = (0.0, 0.0f64, 0.0f64);
+    for energy in of_partner {
+        all += energy;
+        next = next.max(energy.min(most));
+        most = most.max(energy);
+    }
+    match partners {
+        0 | 1 => all,
+        _ if most > DOMINANT * next => 0.0,
+        _ => all - most,
     }
 }

@@ -18,14 +18,21 @@ struct Struck {
     /// Sample before which the next blow begins.
     end: usize,
     gains: Gains,
+    /// Power of the force's spectrum at each pole; 1 for an impulse.
+    response: Vec<f64>,
     /// Mean square of what is left behind the blow.
     noise: f64,
 }
 
 impl Struck {
-    /// Energy of all modes' amplitudes.
+    /// Squared amplitude with which a mode rings after the contact, referred to its beginning.
+    fn power(&self, index: usize) -> f64 {
+        self.gains.modes[index].norm_sqr() * self.response[index]
+    }
+
+    /// Squared amplitudes of all modes together.
     fn strength(&self) -> f64 {
-        self.gains.modes.iter().map(|gain| gain.norm_sqr()).sum()
+        (0..self.gains.modes.len()).map(|index| self.power(index)).sum()
     }
 }
 
@@ -42,6 +49,8 @@ const ROUNDS: usize = 2;
 const LEAD_S: f64 = 0.002;
 /// Least expected share of a mode in a blow's energy.
 const LEAST_SHARE: f64 = 1e-9;
+/// Least power of a force's spectrum at a pole, -60 dB: spectra of half-sines have zeros.
+const LEAST_RESPONSE: f64 = 1e-6;
 
 /// Stems of all recordings, and the modes of all parts; `None` if a recording cannot be solved for.
 pub(super) fn separated(
@@ -97,7 +106,13 @@ fn contacts(clip: &Clip<'_>, blows: &[usize], owned: &Owned, members: Vec<usize>
 fn solved(left: &[f64], contact: Contact, end: usize, poles: &[Pole], expected: Option<&Expected>) -> Option<Struck> {
     let first = contact.first_sample().min(end.saturating_sub(2));
     let (gains, energy) = gains(&left[first..end], &contact.force(), poles, expected)?;
-    Some(Struck { contact, end, gains, noise: energy.max(0.0) / (end - first) as f64 })
+    let force = contact.force();
+    let response = poles.iter().map(|&pole| {
+        let spectrum: Complex<f64> = force.iter().enumerate().map(|(n, x)| pole.power(-(n as f64)) * *x).sum();
+        spectrum.norm_sqr().max(LEAST_RESPONSE)
+    });
+    let response = response.collect();
+    Some(Struck { contact, end, gains, response, noise: energy.max(0.0) / (end - first) as f64 })
 }
 
 /// Sounds of modes `chosen`, and of the force, added with a sign.
@@ -129,8 +144,8 @@ fn shares(recorded: &[Recorded], owned: &Owned) -> Vec<f64> {
         let loudest = recording.struck.iter().max_by(|a, b| a.strength().total_cmp(&b.strength()));
         let Some(blow) = loudest.filter(|blow| blow.strength() > 0.0) else { continue };
         let all = blow.strength();
-        for (&member, gain) in recording.members.iter().zip(&blow.gains.modes) {
-            sums[member].0 += gain.norm_sqr() / all;
+        for (index, &member) in recording.members.iter().enumerate() {
+            sums[member].0 += blow.power(index) / all;
             sums[member].1 += 1;
         }
         if let Some(last) = sums.last_mut() {
@@ -147,9 +162,11 @@ fn with_expected(clip: &Clip<'_>, recorded: Recorded, shares: &[f64]) -> Option<
     let mut struck = Vec::with_capacity(recorded.struck.len());
     for blow in &recorded.struck {
         let scale = blow.strength() / blow.noise.max(f64::MIN_POSITIVE);
-        let members = recorded.members.iter().copied().chain([shares.len() - 1]);
         // A gain has two numbers, each with half of the variance.
-        let expected: Expected = members.map(|member| (0.5 * shares[member] * scale).max(f64::MIN_POSITIVE)).collect();
+        let modes = recorded.members.iter().zip(&blow.response);
+        let modes = modes.map(|(&member, response)| 0.5 * shares[member] * scale / response);
+        let force = shares[shares.len() - 1] * scale;
+        let expected: Expected = modes.chain([force]).map(|variance| variance.max(f64::MIN_POSITIVE)).collect();
         let anew = solved(&left, blow.contact, blow.end, &recorded.poles, Some(&expected))?;
         subtract(&mut left, &anew, &recorded.poles);
         struck.push(anew);
@@ -179,34 +196,33 @@ fn stems_of(clip: &Clip<'_>, recorded: &Recorded, owned: &Owned, object_part: us
 
 /// Modes of a part, with their gains in its loudest blow.
 fn modes_of(part: usize, recorded: &[Recorded], owned: &Owned, rate_hz: f64) -> Vec<PartMode> {
-    let gain_in = |blow: &Struck, recording: &Recorded, pole: usize| {
-        let at = recording.members.iter().position(|member| *member == pole);
-        at.map_or(Complex::new(0.0, 0.0), |at| blow.gains.modes[at])
-    };
     let own: Vec<usize> = (0..owned.poles.len()).filter(|&pole| owned.part[pole] == part).collect();
-    let strength = |recording: &Recorded, blow: &Struck| {
-        own.iter().map(|&pole| gain_in(blow, recording, pole).norm_sqr()).sum::<f64>()
-    };
-    let blows: Vec<(&Recorded, &Struck, f64)> = recorded
+    // Blows of the part's recordings, each with the places of the part's poles among its own.
+    let blows: Vec<(&Struck, Vec<usize>)> = recorded
         .iter()
-        .flat_map(|recording| recording.struck.iter().map(move |blow| (recording, blow)))
-        .map(|(recording, blow)| (recording, blow, strength(recording, blow)))
-        .collect();
-    let Some(loudest) = blows.iter().max_by(|a, b| a.2.total_cmp(&b.2)) else { return Vec::new() };
-    let energies: Vec<f64> = own
-        .iter()
-        .map(|&pole| {
-            let sum: f64 = blows.iter().map(|(recording, blow, _)| gain_in(blow, recording, pole).norm_sqr()).sum();
-            sum / owned.poles[pole].decay
+        .filter_map(|recording| {
+            let place = |pole: &usize| recording.members.iter().position(|member| member == pole);
+            Some((recording, own.iter().map(place).collect::<Option<Vec<usize>>>()?))
         })
+        .flat_map(|(recording, places)| recording.struck.iter().map(move |blow| (blow, places.clone())))
         .collect();
+    let strength = |(blow, places): &(&Struck, Vec<usize>)| places.iter().map(|&at| blow.power(at)).sum::<f64>();
+    let Some((loudest, places)) = blows.iter().max_by(|a, b| strength(a).total_cmp(&strength(b))) else {
+        return Vec::new();
+    };
+    let energy = |index: usize| {
+        blows.iter().map(|(blow, places)| blow.power(places[index])).sum::<f64>() / owned.poles[own[index]].decay
+    };
+    let energies: Vec<f64> = (0..own.len()).map(energy).collect();
     let most = energies.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let modes = own.iter().zip(&energies).map(|(&pole, energy)| {
-        let gain = gain_in(loudest.1, loudest.0, pole);
+    // A force with a peak of 1 instead of an impulse of 1.
+    let impulse = 1.0 / loudest.contact.force().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let modes = own.iter().zip(&energies).enumerate().map(|(index, (&pole, energy))| {
+        let gain = loudest.gains.modes[places[index]] * (rate_hz / impulse);
         PartMode {
             frequency_hz: owned.poles[pole].frequency_hz(rate_hz),
             decay_per_s: owned.poles[pole].decay_per_s(rate_hz),
-            gain: [gain.re, gain.im],
+            gain: [-gain.im, gain.re],
             level_db: 10.0 * (energy.max(1e-20 * most) / most).log10(),
         }
     });

@@ -9,6 +9,9 @@ use malleus::render::instrument::RenderError;
 use malleus::report::ReportError;
 use malleus::wave::WaveError;
 
+use super::separate_labels::LabelsError;
+use super::separate_tables::KnownError;
+
 /// Failure of a command. Its message says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CommandError {
@@ -82,6 +85,14 @@ pub(crate) enum CommandError {
     OneRendering { inputs: usize },
     #[error("--events writes the strikes of one recording, and {inputs} are given: fit that one alone")]
     OneEvents { inputs: usize },
+    #[error(transparent)]
+    Labels(#[from] LabelsError),
+    #[error(transparent)]
+    Known(#[from] KnownError),
+    #[error(transparent)]
+    Materials(#[from] ::fit::material::UnknownMaterial),
+    #[error("{0}")]
+    Recording(String),
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]
