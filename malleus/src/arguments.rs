@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use dsp_core::SampleRate;
 use dsp_core::limiter::LOWEST_CEILING_DB;
+use fit::material::solid::Solid;
 use virtual_board::Board;
 
 use crate::commands::board::{BoardCommand, parse_board};
@@ -151,6 +152,17 @@ pub(crate) struct FitArguments {
     /// folder, and an index of all pages in it
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
+    /// Materials to choose from [default: all that are known]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub(crate) materials: Vec<String>,
+    /// Size of a bar that is free all round, in m, and its density in kg/m³: its modes then give
+    /// Young's modulus
+    #[arg(long, value_name = "L,H,DENSITY", value_parser = parse_bar, conflicts_with_all = ["disc", "dynamic_filter"])]
+    pub(crate) bar: Option<Solid>,
+    /// Radius and thickness of a disc that is free all round, in m, and its density in kg/m³: its
+    /// modes then give Young's modulus
+    #[arg(long, value_name = "R,H,DENSITY", value_parser = parse_disc, conflicts_with = "dynamic_filter")]
+    pub(crate) disc: Option<Solid>,
     /// Licence of the recordings, kept in the tables
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) licence: String,
@@ -294,6 +306,35 @@ fn parse_modes(text: &str) -> Result<usize, String> {
 fn parse_cycles(text: &str) -> Result<f64, String> {
     let cycles = text.parse().ok().filter(|cycles| (10.0..=1e6).contains(cycles));
     cycles.ok_or("must be from 10 to 1000000 cycles per sample".to_owned())
+}
+
+fn parse_bar(text: &str) -> Result<Solid, String> {
+    let [length_m, height_m, density] = parse_solid(text)?;
+    match height_m <= 0.2 * length_m {
+        true => Ok(Solid::Bar { length_m, height_m, density }),
+        false => Err("must have a thickness of at most a fifth of the length".to_owned()),
+    }
+}
+
+fn parse_disc(text: &str) -> Result<Solid, String> {
+    let [radius_m, height_m, density] = parse_solid(text)?;
+    match height_m <= 0.1 * radius_m {
+        true => Ok(Solid::Disc { radius_m, height_m, density }),
+        false => Err("must have a thickness of at most a tenth of the radius".to_owned()),
+    }
+}
+
+/// Size, thickness and density of a solid.
+fn parse_solid(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let solid = <[f64; 3]>::try_from(numbers).ok().filter(|_| text.split(',').count() == 3);
+    let is_possible = |[size_m, height_m, density]: &[f64; 3]| {
+        (1e-3..=10.0).contains(size_m) && (1e-5..=1.0).contains(height_m) && (10.0..=25_000.0).contains(density)
+    };
+    solid.filter(is_possible).ok_or(
+        "must be three numbers such as 0.3,0.006,7850: a size of 0.001 to 10 m, a thickness of 0.00001 to 1 m, a density of 10 to 25000 kg/m³"
+            .to_owned(),
+    )
 }
 
 fn parse_tail(text: &str) -> Result<f64, String> {

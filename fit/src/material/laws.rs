@@ -9,31 +9,45 @@ pub enum Law {
     LossFactor(f64),
     /// Rayleigh's law with α in 1/s and β in s: `d = (α + β ω²)/2`.
     Rayleigh(f64, f64),
-    /// Measured: decay in 1/s at 1 kHz, power of frequency, standard deviation of ln decay.
-    Measured(f64, f64, f64),
+    /// Measured: decay in 1/s at 1 kHz, and the power of frequency with which it grows.
+    Measured(f64, f64),
 }
 
 impl Law {
-    /// Logarithm of the decay in 1/s at a frequency, and the standard deviation of the law itself.
-    pub(super) fn log_decay(&self, frequency_hz: f64) -> (f64, f64) {
+    /// Decay in 1/s of a mode at a frequency.
+    pub(super) fn decay_per_s(&self, frequency_hz: f64) -> f64 {
         match *self {
-            Self::LossFactor(eta) => ((0.5 * TAU * frequency_hz * eta).ln(), PUBLISHED),
-            Self::Rayleigh(alpha, beta) => ((0.5 * (alpha + beta * (TAU * frequency_hz).powi(2))).ln(), PUBLISHED),
-            Self::Measured(at_1_khz, power, spread) => (at_1_khz.ln() + power * (frequency_hz / 1000.0).ln(), spread),
+            Self::LossFactor(eta) => 0.5 * TAU * frequency_hz * eta,
+            Self::Rayleigh(alpha, beta) => 0.5 * (alpha + beta * (TAU * frequency_hz).powi(2)),
+            Self::Measured(at_1_khz, power) => at_1_khz * (frequency_hz / 1000.0).powf(power),
         }
     }
 }
 
-/// Standard deviation of the logarithm of a published loss: tables give ranges of a factor of three.
-const PUBLISHED: f64 = 0.5;
+/// Kind of a material; those of one kind are measured together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Fired clay.
+    Ceramic,
+    /// Glass.
+    Glass,
+    /// Wood.
+    Wood,
+    /// Hard plastic.
+    Plastic,
+    /// Metal.
+    Metal,
+}
 
 /// A material that sounding objects are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Name of the material.
     pub name: &'static str,
+    /// Kind of the material.
+    pub kind: Kind,
     /// Laws of its damping, each as likely as the others.
-    pub laws: [Option<Law>; 3],
+    pub laws: [Law; 3],
     /// Young's modulus in pascals, and the standard deviation of its logarithm among things of this
     /// material.
     pub young_modulus: [f64; 2],
@@ -49,28 +63,30 @@ pub struct Material {
 /// contact sounds (DAFx 2019), without decays of more than 20 s: 503 modes of metal, 355 of
 /// ceramic, 485 of glass, 549 of wood and 50 of hard plastic.
 pub(super) const MATERIALS: [Material; 7] = [
-    of("ceramic", 1.0e-3, (6.0, 1e-7), Some((18.0, 0.82, 0.73)), [7.2e10, 0.4]),
-    of("glass", 1.1e-3, (1.0, 1e-7), Some((27.8, 0.45, 0.45)), [6.2e10, 0.15]),
-    of("wood", 1.2e-2, (60.0, 2e-6), Some((62.4, 0.27, 0.58)), [1.1e10, 0.4]),
-    of("plastic", 2.8e-2, (30.0, 1e-6), Some((100.9, 0.39, 0.50)), [1.4e9, 0.5]),
-    of("polycarbonate", 1.0e-2, (0.5, 4e-7), Some((100.9, 0.39, 0.50)), [2.4e9, 0.15]),
-    of("steel", 2.0e-4, (5.0, 3e-8), Some((32.6, 0.35, 0.56)), [2.0e11, 0.05]),
-    of("tin", 2.0e-3, (2.0, 3e-8), None, [5.0e10, 0.15]),
+    of("ceramic", Kind::Ceramic, 1.0e-3, (6.0, 1e-7), [7.2e10, 0.4]),
+    of("glass", Kind::Glass, 1.1e-3, (1.0, 1e-7), [6.2e10, 0.15]),
+    of("wood", Kind::Wood, 1.2e-2, (60.0, 2e-6), [1.1e10, 0.4]),
+    of("plastic", Kind::Plastic, 2.8e-2, (30.0, 1e-6), [1.4e9, 0.5]),
+    of("polycarbonate", Kind::Plastic, 1.0e-2, (0.5, 4e-7), [2.4e9, 0.15]),
+    of("steel", Kind::Metal, 2.0e-4, (5.0, 3e-8), [2.0e11, 0.05]),
+    of("tin", Kind::Metal, 2.0e-3, (2.0, 3e-8), [5.0e10, 0.15]),
 ];
 
 const fn of(
     name: &'static str,
+    kind: Kind,
     loss_factor: f64,
     rayleigh: (f64, f64),
-    measured: Option<(f64, f64, f64)>,
     young_modulus: [f64; 2],
 ) -> Material {
-    let measured = match measured {
-        Some((at_1_khz, power, spread)) => Some(Law::Measured(at_1_khz, power, spread)),
-        None => None,
+    let measured = match kind {
+        Kind::Ceramic => Law::Measured(18.0, 0.82),
+        Kind::Glass => Law::Measured(27.8, 0.45),
+        Kind::Wood => Law::Measured(62.4, 0.27),
+        Kind::Plastic => Law::Measured(100.9, 0.39),
+        Kind::Metal => Law::Measured(32.6, 0.35),
     };
-    let laws = [Some(Law::LossFactor(loss_factor)), Some(Law::Rayleigh(rayleigh.0, rayleigh.1)), measured];
-    Material { name, laws, young_modulus }
+    Material { name, kind, laws: [Law::LossFactor(loss_factor), Law::Rayleigh(rayleigh.0, rayleigh.1), measured], young_modulus }
 }
 
 /// Names of all materials, for messages.

@@ -1,22 +1,21 @@
 //! Material of a sounding object, and its Young's modulus, from the damping of its modes.
 //!
-//! Every mode loses energy within the material, and more to what holds the object, to the air and
-//! to joints: the loss of the support, which is unknown and never negative. So a mode's decay d lies
-//! above that of the material, `ln d = ln d_m(f) + e + s`, with e normal and s exponential: the
-//! slowest modes tell most. The law d_m is known in three ways ([`laws`]): as a published loss
+//! A material's law tells the decay of a mode at a frequency up to what is not known: a factor of
+//! the object's own (its shape, the air, its joints), and the loss of its support, which adds to all
+//! modes alike. Both are integrated over. So the level of the decays tells something, and how they
+//! grow with frequency tells more. The law is known in three ways ([`laws`]): as a published loss
 //! factor, as published Rayleigh damping, and as measured on things of that material. Each is as
 //! likely as the others.
 //!
 //! Sound alone does not know an object's size, so that Young's modulus is that of the materials
-//! that are likely: a guess with a range. [`crate::material::solid`] reads it off a bar or a disc of
-//! known size.
+//! that are likely: a guess with a range. [`solid`] reads it off a bar or a disc of known size.
 
 mod laws;
 pub mod solid;
 
 use serde::Serialize;
 
-pub use laws::Material;
+pub use laws::{Kind, Material};
 use laws::{Law, MATERIALS};
 
 use crate::strike::Fit;
@@ -86,47 +85,53 @@ pub fn named(names: &[String]) -> Result<Vec<Material>, UnknownMaterial> {
     names.iter().map(of_name).collect()
 }
 
+/// Materials to choose from: all that are known if none are given.
+pub fn all_if_none(materials: &[Material]) -> &[Material] {
+    if materials.is_empty() { &MATERIALS } else { materials }
+}
+
 /// Level in dB below the strongest mode from which a mode does not count.
 const LEAST_LEVEL_DB: f64 = -30.0;
-/// Standard deviation of ln decay about a law, beside the law's own.
-const SCATTER: f64 = 0.4;
-/// Mean of the support's share in ln decay.
-const SUPPORT: f64 = 1.0;
+/// Level in dB at which a mode's weight is a tenth of the strongest one's.
+const TENTH_DB: f64 = 40.0;
+/// Scale of ln decay about an object's law; its density is Student's, with four degrees of freedom.
+const SCATTER: f64 = 0.45;
+const FREEDOM: f64 = 4.0;
+/// Standard deviation of the logarithm of an object's own factor.
+const OWN_FACTOR: f64 = 1.0;
+/// Losses of a support in 1/s. None is as likely as all others together.
+const SUPPORTS_PER_S: [f64; 7] = [0.0, 1.0, 3.0, 9.0, 20.0, 45.0, 100.0];
 /// Number of modes for which an object speaks at most: the errors of its modes are alike.
-const INDEPENDENT: f64 = 4.0;
+const INDEPENDENT: f64 = 6.0;
+/// Steps of an object's own factor on either side, four to a standard deviation.
+const STEPS: i32 = 10;
 
 /// The material whose damping law the modes of an object follow best, with Young's modulus.
 ///
-/// `None` without modes or materials.
+/// Materials of one kind, such as steel and tin, share the probability of their kind, so that no
+/// kind is likely for having many names. `None` without modes or materials.
 pub fn identify(modes: &[RingingMode], among: &[Material]) -> Option<Identified> {
-    let counted: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();
+    let counted: Vec<(f64, &RingingMode)> = modes
+        .iter()
+        .filter(|mode| mode.level_db > LEAST_LEVEL_DB && mode.decay_per_s > 0.0)
+        .map(|mode| (10f64.powf(mode.level_db / TENTH_DB), mode))
+        .collect();
     if counted.is_empty() || among.is_empty() {
         return None;
     }
-    // A mode's weight is the square root of its amplitude: weak modes are less sure to be true.
-    let weight = |mode: &RingingMode| 10f64.powf(mode.level_db / 40.0);
-    let weights: f64 = counted.iter().map(|mode| weight(mode)).sum();
-    let squares: f64 = counted.iter().map(|mode| weight(mode).powi(2)).sum();
-    let independent = (weights * weights / squares).min(INDEPENDENT);
-    let of_law = |law: &Law| {
-        let sum: f64 = counted.iter().map(|mode| weight(mode) * log_density(mode, law)).sum();
-        sum / weights * independent
-    };
     let likelihoods: Vec<f64> = among
         .iter()
         .map(|material| {
-            let of_laws: Vec<f64> = material.laws.iter().flatten().map(of_law).collect();
-            log_mean(&of_laws)
+            let of_laws: Vec<f64> = material.laws.iter().map(|law| log_likelihood(&counted, law)).collect();
+            let of_kind = among.iter().filter(|other| other.kind == material.kind).count();
+            log_sum(&of_laws) - ((of_laws.len() * of_kind) as f64).ln()
         })
         .collect();
-    let most = likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let all: f64 = likelihoods.iter().map(|likelihood| (likelihood - most).exp()).sum();
+    let all = log_sum(&likelihoods);
     let mut posterior: Vec<(Guess, &Material)> = among
         .iter()
         .zip(&likelihoods)
-        .map(|(material, likelihood)| {
-            (Guess { name: material.name, confidence: (likelihood - most).exp() / all }, material)
-        })
+        .map(|(material, likelihood)| (Guess { name: material.name, confidence: (likelihood - all).exp() }, material))
         .collect();
     posterior.sort_by(|a, b| b.0.confidence.total_cmp(&a.0.confidence));
     let young_modulus_pa = modulus(&posterior);
@@ -137,36 +142,45 @@ pub fn identify(modes: &[RingingMode], among: &[Material]) -> Option<Identified>
     })
 }
 
-/// Logarithm of the density of ln decay under a law: normal plus exponential.
-fn log_density(mode: &RingingMode, law: &Law) -> f64 {
-    let (expected, spread) = law.log_decay(mode.frequency_hz);
-    let sigma = spread.hypot(SCATTER);
-    let over = mode.decay_per_s.max(1e-6).ln() - expected;
-    let rate = 1.0 / SUPPORT;
-    let at = (over / sigma) - rate * sigma;
-    (rate.ln() - rate * over + 0.5 * (rate * sigma).powi(2)) + log_normal_below(at)
+/// Logarithm of the likelihood of modes, with their weights, under a law.
+fn log_likelihood(modes: &[(f64, &RingingMode)], law: &Law) -> f64 {
+    let weights: f64 = modes.iter().map(|(weight, _)| weight).sum();
+    let squares: f64 = modes.iter().map(|(weight, _)| weight * weight).sum();
+    let independent = (weights * weights / squares).min(INDEPENDENT);
+    let steps = || (-STEPS..=STEPS).map(|step| 0.25 * f64::from(step));
+    let factors: f64 = steps().map(|own| (-0.5 * own * own).exp()).sum();
+    let mut logs = Vec::with_capacity(SUPPORTS_PER_S.len() * (2 * STEPS as usize + 1));
+    for support in SUPPORTS_PER_S {
+        let share = if support == 0.0 { 0.5 } else { 0.5 / (SUPPORTS_PER_S.len() - 1) as f64 };
+        for own in steps() {
+            let misfit: f64 = modes
+                .iter()
+                .map(|(weight, mode)| {
+                    let expected = law.decay_per_s(mode.frequency_hz) * (OWN_FACTOR * own).exp() + support;
+                    let off = (mode.decay_per_s / expected).ln() / SCATTER;
+                    weight * 0.5 * (FREEDOM + 1.0) * (1.0 + off * off / FREEDOM).ln()
+                })
+                .sum();
+            logs.push(share.ln() - 0.5 * own * own - factors.ln() - misfit / weights * independent);
+        }
+    }
+    log_sum(&logs)
 }
 
-/// Logarithm of the probability that a normal number lies below a bound.
-fn log_normal_below(bound: f64) -> f64 {
-    if bound < -6.0 {
-        // Asymptotic series of Mills' ratio.
-        let square = bound * bound;
-        return -0.5 * square - (-bound * (2.0 * std::f64::consts::PI).sqrt()).ln() - 1.0 / square;
-    }
-    // Abramowitz and Stegun 7.1.26 for erf; error below 2e-7.
+/// Probability that a normal number lies below a bound (Abramowitz and Stegun 7.1.26; error below
+/// 2e-7).
+fn normal_below(bound: f64) -> f64 {
     let x = bound.abs() / std::f64::consts::SQRT_2;
     let t = 1.0 / (1.0 + 0.327_591_1 * x);
     let series = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
-    let sum = series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t);
-    let tail = 0.5 * sum * (-x * x).exp();
-    (if bound < 0.0 { tail } else { 1.0 - tail }).max(1e-300).ln()
+    let tail = 0.5 * series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t) * (-x * x).exp();
+    if bound < 0.0 { tail } else { 1.0 - tail }
 }
 
-/// Logarithm of the mean of numbers whose logarithms are given.
-fn log_mean(logs: &[f64]) -> f64 {
+/// Logarithm of the sum of numbers whose logarithms are given.
+fn log_sum(logs: &[f64]) -> f64 {
     let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most + (logs.iter().map(|log| (log - most).exp()).sum::<f64>() / logs.len().max(1) as f64).ln()
+    most + logs.iter().map(|log| (log - most).exp()).sum::<f64>().ln()
 }
 
 /// Young's modulus: median and 90 % range over all materials by their likelihood.
@@ -174,7 +188,7 @@ fn modulus(posterior: &[(Guess, &Material)]) -> Interval {
     let below = |log_pascals: f64| -> f64 {
         let share = |(guess, material): &(Guess, &Material)| {
             let [pascals, spread] = material.young_modulus;
-            guess.confidence * log_normal_below((log_pascals - pascals.ln()) / spread).exp()
+            guess.confidence * normal_below((log_pascals - pascals.ln()) / spread)
         };
         posterior.iter().map(share).sum()
     };
@@ -187,11 +201,6 @@ fn modulus(posterior: &[(Guess, &Material)]) -> Interval {
         (0.5 * (low + high)).exp()
     };
     Interval { estimate: quantile(0.5), low: quantile(0.05), high: quantile(0.95) }
-}
-
-/// The material whose damping law the modes of a fit follow best; `None` for a fit without modes.
-pub fn guess(fit: &Fit) -> Option<Guess> {
-    identify(&ringing(fit), &MATERIALS).map(|identified| identified.material)
 }
 
 /// Modes of a fit as far as they tell of a material, with their levels in the loudest strike.
@@ -217,7 +226,7 @@ mod tests {
         [300.0, 750.0, 1400.0, 2600.0, 5200.0, 9000.0]
             .map(|frequency_hz| RingingMode {
                 frequency_hz,
-                decay_per_s: law.log_decay(frequency_hz).0.exp(),
+                decay_per_s: law.decay_per_s(frequency_hz),
                 level_db: 0.0,
             })
             .to_vec()
@@ -228,7 +237,7 @@ mod tests {
         let names = ["steel", "ceramic", "wood"].map(str::to_owned);
         let among = named(&names).expect("they are known");
         for material in &among {
-            let law = material.laws[0].expect("a published loss factor");
+            let law = material.laws[0];
             let identified = identify(&modes_of(&law), &among).expect("there are modes");
             assert_eq!(identified.material.name, material.name, "{identified:?}");
             let shares: f64 = identified.posterior.iter().map(|guess| guess.confidence).sum();
@@ -238,11 +247,24 @@ mod tests {
     }
 
     #[test]
-    fn a_lossy_support_of_some_modes_does_not_change_the_material() {
+    fn a_lossy_support_does_not_change_the_material() {
         let among = named(&["steel".to_owned(), "wood".to_owned()]).expect("they are known");
-        let mut modes = modes_of(&among[0].laws[0].expect("a published loss factor"));
-        modes.iter_mut().step_by(2).for_each(|mode| mode.decay_per_s += 60.0);
+        let mut modes = modes_of(&among[0].laws[0]);
+        modes.iter_mut().for_each(|mode| mode.decay_per_s += 9.0);
         assert_eq!(identify(&modes, &among).expect("there are modes").material.name, "steel");
+    }
+
+    #[test]
+    fn a_second_name_for_a_kind_does_not_make_the_kind_likelier() {
+        let [few, many] = [["steel", "wood"].as_slice(), &["steel", "tin", "wood"]]
+            .map(|names| named(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>()).expect("known"));
+        // Without anything to tell them apart, three names of two kinds share as two would.
+        let modes = [RingingMode { frequency_hz: 1000.0, decay_per_s: 45.0, level_db: 0.0 }];
+        let wood = |among: &[Material]| {
+            let found = identify(&modes, among).expect("a mode");
+            found.posterior.iter().find(|guess| guess.name == "wood").expect("wood").confidence
+        };
+        assert!((wood(&few) - wood(&many)).abs() < 0.15, "{} {}", wood(&few), wood(&many));
     }
 
     #[test]
