@@ -41,8 +41,7 @@ fn floats(path: &Path) -> Vec<f64> {
     reader.samples::<f32>().map(|x| f64::from(x.expect("a sample"))).collect()
 }
 
-const LABELS: &str =
-    "recording,object,striker\nt0s0,mug,fork\nt0s1,mug,spoon\nt1s0.wav,bowl,fork\nt1s1,bowl,spoon\n";
+const LABELS: &str = "recording,object,striker\nt0s0,mug,fork\nt0s1,mug,spoon\nt1s0.wav,bowl,fork\nt1s1,bowl,spoon\n";
 const ALL: &str = "t0s0.wav t0s1.wav t1s0.wav t1s1.wav";
 
 #[test]
@@ -70,12 +69,18 @@ fn stems_add_up_to_the_recording_and_known_tables_are_kept() {
         let worst = off.fold(0.0, f64::max);
         assert!(stems.iter().all(|stem| stem.len() == recording.len()) && worst < 6e-8, "{name}: {worst}");
     }
-    let done = separate(folder.path(), LABELS, &format!("{ALL} -o again --object out/mug-object.toml --striker fork=out/fork-striker.toml"));
+    let done = separate(
+        folder.path(),
+        LABELS,
+        &format!("{ALL} -o again --object out/mug-object.toml --striker fork=out/fork-striker.toml"),
+    );
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
     for table in ["mug-object", "fork-striker"] {
         let frequencies = |folder: &str| {
             let text = std::fs::read_to_string(at(&format!("{folder}/{table}.toml"))).expect("a table");
-            text.lines().filter_map(|line| line.trim().strip_prefix("{ frequency_hz = ")?.split(',').next().map(str::to_owned)).collect::<Vec<String>>()
+            text.lines()
+                .filter_map(|line| line.trim().strip_prefix("{ frequency_hz = ")?.split(',').next().map(str::to_owned))
+                .collect::<Vec<String>>()
         };
         assert!(!frequencies("out").is_empty());
         assert_eq!(frequencies("out"), frequencies("again"));

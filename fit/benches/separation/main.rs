@@ -24,11 +24,7 @@ fn si_sdr_db(estimate: &[f64], truth: &[f64]) -> f64 {
 }
 
 fn print(what: &str, values: &[f64]) {
-    println!(
-        "{what:24} median {:6.2} dB, worst tenth below {:6.2} dB",
-        quantile(values, 0.5),
-        quantile(values, 0.1)
-    );
+    println!("{what:24} median {:6.2} dB, worst tenth below {:6.2} dB", quantile(values, 0.5), quantile(values, 0.1));
 }
 
 fn main() {
@@ -59,17 +55,9 @@ fn main() {
             quantile(&thing, 0.5),
             quantile(&striker, 0.5)
         );
-        if std::env::var_os("SEPLOG").is_some() {
-            for (i, blow) in set.iter().enumerate() {
-                let b = &separation.stems[i].blows;
-                println!("  {} {} thing {:.1} striker {:.1} touch {} left {:.1} at {:.5} {:?}", blow.object, blow.striker, thing[i], striker[i], blow.has_touch, separation.stems[i].left_db, blow.at_s, b.iter().map(|b| format!("{:.5} {:.2}ms {:.0}", b.at_s, 1e3*b.contact_time_s, b.level_db)).collect::<Vec<_>>());
-            }
-            println!("  modes {:?} {:?}", separation.objects.iter().map(Vec::len).collect::<Vec<_>>(), separation.strikers.iter().map(Vec::len).collect::<Vec<_>>());
-        }
         left.extend(separation.stems.iter().map(|stems| stems.left_db));
         ours[0].extend(thing);
         ours[1].extend(striker);
-        if std::env::var_os("NONMF").is_some() { continue; }
         for (stems, blow) in nmf::nmf(&set, 4, 4).iter().zip(&set) {
             theirs[0].push(si_sdr_db(&stems[0], &blow.of_object));
             theirs[1].push(si_sdr_db(&stems[1], &blow.of_striker));
@@ -79,6 +67,6 @@ fn main() {
     print("striker", &ours[1]);
     print("thing, NMF", &theirs[0]);
     print("striker, NMF", &theirs[1]);
-    robot::print();
     println!("left of the recordings   median {:6.2} dB", quantile(&left, 0.5));
+    robot::print();
 }

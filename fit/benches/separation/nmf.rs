@@ -45,8 +45,7 @@ pub(crate) fn nmf(set: &[Blow], things: usize, strikers: usize) -> Vec<[Vec<f64>
     // A start that differs from part to part, else all templates of a part would stay alike.
     activations.iter_mut().flatten().flatten().flatten().for_each(|x: &mut f64| *x *= random());
     for _ in 0..UPDATES {
-        let mut above: Vec<Vec<Vec<f64>>> =
-            counts.iter().map(|&count| vec![vec![0.0; bins]; count]).collect();
+        let mut above: Vec<Vec<Vec<f64>>> = counts.iter().map(|&count| vec![vec![0.0; bins]; count]).collect();
         let mut below: Vec<Vec<f64>> = counts.iter().map(|&count| vec![1e-12; count]).collect();
         for ((blow, frames), active) in set.iter().zip(&spectra).zip(&mut activations) {
             let parts = parts(blow);

@@ -3,15 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use fit::audio;
+use fit::material::{self, RingingMode};
 use fit::modes::Settings;
 use fit::score::quantile;
-use fit::separate::{Clip, Known, Separation, separate};
+use fit::separate::{Clip, Known, PartMode, Separation, separate};
 
 /// Strikers and things of the clips, whose files are named STRIKER-THING.wav.
 const STRIKERS: [&str; 4] = ["ceramic-chopstick", "polycarbonate-spoon", "steel-fork", "wood-spoon"];
 const THINGS: [&str; 4] = ["ceramic-mug", "polycarbonate-cup", "steel-bowl", "wood-holder"];
 
-/// Separates the clips of a folder and prints what is left; says so if they are absent.
+/// Materials of strikers and of things, in the order of the names, with Young's moduli in pascals.
+const MATERIALS: [(&str, f64); 4] =
+    [("ceramic", 7.2e10), ("polycarbonate", 2.4e9), ("steel", 2.0e11), ("wood", 1.1e10)];
+
+/// Separates the clips and prints what is left, the materials and Young's moduli; says so if the
+/// clips are absent.
 pub(crate) fn print() {
     let folder = PathBuf::from(env!("SHARED_DATA")).join("robot");
     if !folder.is_dir() {
@@ -26,16 +32,38 @@ pub(crate) fn print() {
         quantile(&left, 0.0),
         quantile(&left, 1.0)
     );
-    if std::env::var_os("SEPLOG").is_some() {
-        for (i, stems) in separation.stems.iter().enumerate() {
-            println!("{} {} left {:.1} {:?}", THINGS[i/4], STRIKERS[i%4], stems.left_db, stems.blows.iter().map(|b| format!("{:.4} {:.2}ms {:.0}", b.at_s, 1e3*b.contact_time_s, b.level_db)).collect::<Vec<_>>());
-        }
-        for (name, modes) in THINGS.iter().zip(&separation.objects).chain(STRIKERS.iter().zip(&separation.strikers)) {
-            for mode in modes {
-                println!("MODE {name} {:.1} {:.2} {:.1}", mode.frequency_hz, mode.decay_per_s, mode.level_db);
-            }
-        }
+    print_materials("things", &THINGS, &separation.objects);
+    print_materials("strikers", &STRIKERS, &separation.strikers);
+}
+
+/// Prints materials, and the errors of Young's modulus. Each part is in as many clips as any other.
+fn print_materials(what: &str, names: &[&str], parts: &[Vec<PartMode>]) {
+    let among = material::named(&MATERIALS.map(|(name, _)| name.to_owned())).expect("the materials are known");
+    let (mut right, mut errors, mut logs) = (0, 0.0, 0.0);
+    for ((name, modes), (truth, pascals)) in names.iter().zip(parts).zip(MATERIALS) {
+        let ringing: Vec<RingingMode> = modes.iter().map(PartMode::ringing).collect();
+        let found = material::identify(&ringing, &among).expect("the part has modes");
+        let modulus = found.young_modulus_pa;
+        println!(
+            "  {name:22} {:14} {:3.0} %, E {:6.1} GPa, {:5.1} to {:5.1} GPa, truth {:5.1} GPa",
+            found.material.name,
+            100.0 * found.material.confidence,
+            modulus.estimate / 1e9,
+            modulus.low / 1e9,
+            modulus.high / 1e9,
+            pascals / 1e9
+        );
+        right += usize::from(found.material.name == truth);
+        errors += (modulus.estimate / pascals - 1.0).abs();
+        logs += (modulus.estimate / pascals).ln().abs();
     }
+    let count = names.len() as f64;
+    println!(
+        "  {what}: material right in {:.1} % of the clips, mean error of E {:.1} %, geometric mean factor {:.2}",
+        100.0 * right as f64 / count,
+        100.0 * errors / count,
+        (logs / count).exp()
+    );
 }
 
 fn separated(folder: &Path) -> Separation {
@@ -52,5 +80,6 @@ fn separated(folder: &Path) -> Separation {
             striker: index % STRIKERS.len(),
         })
         .collect();
-    separate(&clips, &Known::default(), Settings { most_modes: 40, ..Settings::default() }, &|_| {}).expect("the clips can be separated")
+    separate(&clips, &Known::default(), Settings { most_modes: 40, ..Settings::default() }, &|_| {})
+        .expect("the clips can be separated")
 }

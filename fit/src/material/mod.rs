@@ -1,11 +1,9 @@
 //! Material of a sounding object, and its Young's modulus, from the damping of its modes.
 //!
-//! A material's law tells the decay of a mode at a frequency up to what is not known: a factor of
-//! the object's own (its shape, the air, its joints), and the loss of its support, which adds to all
-//! modes alike. Both are integrated over. So the level of the decays tells something, and how they
-//! grow with frequency tells more. The law is known in three ways ([`laws`]): as a published loss
-//! factor, as published Rayleigh damping, and as measured on things of that material. Each is as
-//! likely as the others.
+//! A material's law tells the decay of a mode at a frequency up to a factor of the object's own: the
+//! loss of its support, of the air and of its joints. The factor is unknown and integrated over. So
+//! the level of the decays tells something, and how they grow with frequency tells more. The law is
+//! known in two ways: as a published loss factor, and as measured on things of that kind.
 //!
 //! Sound alone does not know an object's size, so that Young's modulus is that of the materials
 //! that are likely: a guess with a range. [`solid`] reads it off a bar or a disc of known size.
@@ -95,12 +93,14 @@ const LEAST_LEVEL_DB: f64 = -30.0;
 /// Level in dB at which a mode's weight is a tenth of the strongest one's.
 const TENTH_DB: f64 = 40.0;
 /// Scale of ln decay about an object's law; its density is Student's, with four degrees of freedom.
-const SCATTER: f64 = 0.45;
+const SCATTER: f64 = 1.0;
 const FREEDOM: f64 = 4.0;
 /// Standard deviation of the logarithm of an object's own factor.
-const OWN_FACTOR: f64 = 1.0;
-/// Losses of a support in 1/s. None is as likely as all others together.
-const SUPPORTS_PER_S: [f64; 7] = [0.0, 1.0, 3.0, 9.0, 20.0, 45.0, 100.0];
+const OWN_FACTOR: f64 = 0.8;
+/// Probability that an object follows the measured law of its kind, not the published loss factor.
+///
+/// The measured things were held, and lose ten times what freely ringing ones lose.
+const AS_MEASURED: f64 = 0.1;
 /// Number of modes for which an object speaks at most: the errors of its modes are alike.
 const INDEPENDENT: f64 = 6.0;
 /// Steps of an object's own factor on either side, four to a standard deviation.
@@ -122,9 +122,10 @@ pub fn identify(modes: &[RingingMode], among: &[Material]) -> Option<Identified>
     let likelihoods: Vec<f64> = among
         .iter()
         .map(|material| {
-            let of_laws: Vec<f64> = material.laws.iter().map(|law| log_likelihood(&counted, law)).collect();
+            let published = log_likelihood(&counted, &material.published) + (1.0 - AS_MEASURED).ln();
+            let measured = log_likelihood(&counted, &material.kind.measured()) + AS_MEASURED.ln();
             let of_kind = among.iter().filter(|other| other.kind == material.kind).count();
-            log_sum(&of_laws) - ((of_laws.len() * of_kind) as f64).ln()
+            log_sum(&[published, measured]) - (of_kind as f64).ln()
         })
         .collect();
     let all = log_sum(&likelihoods);
@@ -149,21 +150,19 @@ fn log_likelihood(modes: &[(f64, &RingingMode)], law: &Law) -> f64 {
     let independent = (weights * weights / squares).min(INDEPENDENT);
     let steps = || (-STEPS..=STEPS).map(|step| 0.25 * f64::from(step));
     let factors: f64 = steps().map(|own| (-0.5 * own * own).exp()).sum();
-    let mut logs = Vec::with_capacity(SUPPORTS_PER_S.len() * (2 * STEPS as usize + 1));
-    for support in SUPPORTS_PER_S {
-        let share = if support == 0.0 { 0.5 } else { 0.5 / (SUPPORTS_PER_S.len() - 1) as f64 };
-        for own in steps() {
+    let logs: Vec<f64> = steps()
+        .map(|own| {
             let misfit: f64 = modes
                 .iter()
                 .map(|(weight, mode)| {
-                    let expected = law.decay_per_s(mode.frequency_hz) * (OWN_FACTOR * own).exp() + support;
+                    let expected = law.decay_per_s(mode.frequency_hz) * (OWN_FACTOR * own).exp();
                     let off = (mode.decay_per_s / expected).ln() / SCATTER;
                     weight * 0.5 * (FREEDOM + 1.0) * (1.0 + off * off / FREEDOM).ln()
                 })
                 .sum();
-            logs.push(share.ln() - 0.5 * own * own - factors.ln() - misfit / weights * independent);
-        }
-    }
+            -0.5 * own * own - factors.ln() - misfit / weights * independent
+        })
+        .collect();
     log_sum(&logs)
 }
 
@@ -224,11 +223,7 @@ mod tests {
 
     fn modes_of(law: &Law) -> Vec<RingingMode> {
         [300.0, 750.0, 1400.0, 2600.0, 5200.0, 9000.0]
-            .map(|frequency_hz| RingingMode {
-                frequency_hz,
-                decay_per_s: law.decay_per_s(frequency_hz),
-                level_db: 0.0,
-            })
+            .map(|frequency_hz| RingingMode { frequency_hz, decay_per_s: law.decay_per_s(frequency_hz), level_db: 0.0 })
             .to_vec()
     }
 
@@ -237,7 +232,7 @@ mod tests {
         let names = ["steel", "ceramic", "wood"].map(str::to_owned);
         let among = named(&names).expect("they are known");
         for material in &among {
-            let law = material.laws[0];
+            let law = material.published;
             let identified = identify(&modes_of(&law), &among).expect("there are modes");
             assert_eq!(identified.material.name, material.name, "{identified:?}");
             let shares: f64 = identified.posterior.iter().map(|guess| guess.confidence).sum();
@@ -249,7 +244,7 @@ mod tests {
     #[test]
     fn a_lossy_support_does_not_change_the_material() {
         let among = named(&["steel".to_owned(), "wood".to_owned()]).expect("they are known");
-        let mut modes = modes_of(&among[0].laws[0]);
+        let mut modes = modes_of(&among[0].published);
         modes.iter_mut().for_each(|mode| mode.decay_per_s += 9.0);
         assert_eq!(identify(&modes, &among).expect("there are modes").material.name, "steel");
     }

@@ -57,11 +57,7 @@ pub fn standard_deviations_in(modes: &[DampedSine], residual: &[f64], rate_hz: f
 ///
 /// The noise is white with variance `noise_variance`; all gains and poles are unknown. `None` if
 /// the modes cannot be told apart.
-fn standard_deviations(
-    length: usize,
-    modes: &[(Pole, Complex<f64>)],
-    noise_variance: f64,
-) -> Option<Vec<[f64; 3]>> {
+fn standard_deviations(length: usize, modes: &[(Pole, Complex<f64>)], noise_variance: f64) -> Option<Vec<[f64; 3]>> {
     let silence = vec![0.0; length];
     let stretch = Stretch::ringing(&silence);
     let bases: Vec<Basis> = modes.iter().map(|(pole, _)| Basis::new(*pole, &stretch)).collect();

@@ -321,8 +321,7 @@ fn pole_equations(
         add_pole_equations(group, solved, &mut normal, &mut right);
         (normal, right)
     };
-    let parts: Vec<(DMatrix<f64>, DVector<f64>)> =
-        groups.par_iter().zip(members).zip(solved).map(of_group).collect();
+    let parts: Vec<(DMatrix<f64>, DVector<f64>)> = groups.par_iter().zip(members).zip(solved).map(of_group).collect();
     let (mut normal, mut right) = (DMatrix::zeros(2 * count, 2 * count), DVector::zeros(2 * count));
     for ((own_normal, own_right), members) in parts.iter().zip(members) {
         let place = |index: usize| 2 * members[index / 2] + index % 2;

@@ -2,7 +2,8 @@
 
 /// Length of a frame in seconds.
 const FRAME_S: f64 = 0.001;
-/// Number of frames before a rise that it is compared with.
+/// Number of frames that a rise is compared with. They end one frame before it, because a soft
+/// contact rises over two frames.
 const BEFORE: usize = 8;
 /// Least rise over the loudest of the frames before, as a power ratio: 9 dB.
 const RISE: f64 = 8.0;
@@ -30,7 +31,8 @@ pub(super) fn blows(samples: &[f64], rate_hz: f64) -> Vec<usize> {
     // First frame of each rise, and the power that it rises to.
     let mut rises: Vec<(usize, f64)> = Vec::new();
     for (index, &now) in power.iter().enumerate() {
-        let before = power[index.saturating_sub(BEFORE)..index].iter().copied().fold(floor, f64::max);
+        let earlier = index.saturating_sub(BEFORE + 1)..index.saturating_sub(1);
+        let before = power[earlier].iter().copied().fold(floor, f64::max);
         if now < RISE * before || now < ABOVE_NOISE * floor || now < BELOW_LOUDEST * loudest {
             continue;
         }

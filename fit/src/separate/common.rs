@@ -142,7 +142,6 @@ pub(super) fn common_modes(
             owned.part.push(part);
         }
         (owned, model, noise) = search.pruned(owned, BETWEEN)?;
-        log_pass(pass, before, owned.poles.len());
         if (owned.poles.len() as f64) < (1.0 + LEAST_GROWTH) * before as f64 {
             if with_one {
                 break;
@@ -152,12 +151,6 @@ pub(super) fn common_modes(
     }
     let (owned, _, _) = search.pruned(owned, LAST)?;
     Some(owned)
-}
-
-fn log_pass(pass: usize, before: usize, after: usize) {
-    if std::env::var_os("SEPLOG").is_some() {
-        eprintln!("pass {pass}: {before} -> {after}");
-    }
 }
 
 /// Maximum number of passes that a search reports.
@@ -199,7 +192,8 @@ impl Search<'_> {
             unworthy.sort_by(|a, b| least[*a].total_cmp(&least[*b]));
             // Of modes that may share what they explain, one goes at a time.
             let apart = |a: usize, b: usize| {
-                let (near, width) = (owned.poles[a].angular - owned.poles[b].angular, owned.poles[a].decay + owned.poles[b].decay);
+                let (near, width) =
+                    (owned.poles[a].angular - owned.poles[b].angular, owned.poles[a].decay + owned.poles[b].decay);
                 !self.parts.may_meet(owned.part[a], owned.part[b]) || near.abs() > 10.0 * width
             };
             let mut dropped: Vec<usize> = Vec::new();
@@ -228,7 +222,8 @@ impl Search<'_> {
             let energy = 0.5 * amplitude * energy_of(pole, stretch.samples.len());
             (stretch.clip, energy / noise[group].variance(pole.angular))
         });
-        let own = self.stretches.iter().zip(noise).filter(|(stretch, _)| self.parts.partner(part, stretch.clip).is_some());
+        let own =
+            self.stretches.iter().zip(noise).filter(|(stretch, _)| self.parts.partner(part, stretch.clip).is_some());
         let levels: Vec<f64> = own.map(|(_, noise)| noise.variance(pole.angular)).collect();
         let mean = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
         let alone = model.worth[index] / mean;
@@ -279,8 +274,9 @@ impl Search<'_> {
     /// Frequencies at which one more mode of a decay explains most of what a part's recordings have
     /// in common.
     fn peaks(&self, part: usize, spectra: &[Vec<f64>], decay: f64) -> Vec<(usize, Candidate)> {
-        let own: Vec<usize> =
-            (0..spectra.len()).filter(|&group| self.parts.partner(part, self.stretches[group].clip).is_some()).collect();
+        let own: Vec<usize> = (0..spectra.len())
+            .filter(|&group| self.parts.partner(part, self.stretches[group].clip).is_some())
+            .collect();
         let Some(length) = own.first().map(|&group| spectra[group].len()) else { return Vec::new() };
         let mut of_partner: Vec<Option<Vec<f64>>> = vec![None; self.parts.count];
         for &group in &own {

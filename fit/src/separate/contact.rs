@@ -43,7 +43,12 @@ pub(super) type Expected = Vec<f64>;
 
 /// Gains of modes and of the force, and the energy that they leave, in samples that begin with the
 /// force. `None` if the equations cannot be solved.
-pub(super) fn gains(samples: &[f64], force: &[f64], poles: &[Pole], expected: Option<&Expected>) -> Option<(Gains, f64)> {
+pub(super) fn gains(
+    samples: &[f64],
+    force: &[f64],
+    poles: &[Pole],
+    expected: Option<&Expected>,
+) -> Option<(Gains, f64)> {
     let force = &force[..force.len().min(samples.len())];
     let stretch = Stretch { samples, force: Some(force) };
     let bases: Vec<Basis> = poles.iter().map(|&pole| Basis::new(pole, &stretch)).collect();

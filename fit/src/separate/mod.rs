@@ -21,6 +21,7 @@ pub mod synthetic;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::material::RingingMode;
 use crate::modes::{Pole, Settings};
 pub use error::SeparateError;
 use parts::Parts;
@@ -62,6 +63,13 @@ pub struct PartMode {
     pub gain: [f64; 2],
     /// Energy heard in the part's recordings, relative to the part's strongest mode, in dB.
     pub level_db: f64,
+}
+
+impl PartMode {
+    /// The mode as far as it tells of a material.
+    pub fn ringing(&self) -> RingingMode {
+        RingingMode { frequency_hz: self.frequency_hz, decay_per_s: self.decay_per_s, level_db: self.level_db }
+    }
 }
 
 /// A blow of a recording.
@@ -162,4 +170,68 @@ fn known_poles(parts: &Parts, known: &Known, rate_hz: f64) -> (common::Owned, Ve
         }
     }
     (owned, closed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use synthetic::{RATE_HZ, set};
+
+    fn clips(set: &[synthetic::Blow]) -> Vec<Clip<'_>> {
+        let clip = |blow: &synthetic::Blow| (blow.object, blow.striker);
+        set.iter()
+            .map(|blow| Clip { samples: &blow.samples, rate_hz: RATE_HZ, object: clip(blow).0, striker: clip(blow).1 })
+            .collect()
+    }
+
+    /// Energy of a distance relative to a sound, in dB.
+    fn distance_db(found: &[f64], truth: &[f64]) -> f64 {
+        let off: f64 = found.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
+        10.0 * (off / truth.iter().map(|x| x * x).sum::<f64>()).log10()
+    }
+
+    #[test]
+    fn stems_of_two_strikers_on_two_things_are_near_the_true_ones_and_add_up() {
+        let set = set(5, 2, 2, 2);
+        let separation =
+            separate(&clips(&set), &Known::default(), Settings::default(), &|_| {}).expect("it can be separated");
+        let (mut things, mut strikers) = (Vec::new(), Vec::new());
+        for (stems, blow) in separation.stems.iter().zip(&set) {
+            things.push(distance_db(&stems.object, &blow.of_object));
+            strikers.push(distance_db(&stems.striker, &blow.of_striker));
+            for (n, x) in blow.samples.iter().enumerate() {
+                assert!((x - stems.object[n] - stems.striker[n] - stems.rest[n]).abs() < 1e-12);
+            }
+            let near = stems.blows.iter().any(|found| (found.at_s - blow.at_s).abs() < 1e-3);
+            assert!(near, "{:?} {}", stems.blows, blow.at_s);
+        }
+        let median = |values: &[f64]| crate::score::quantile(values, 0.5);
+        let (thing_db, striker_db) = (median(&things), median(&strikers));
+        assert!(thing_db < -18.0 && striker_db < -8.0, "{thing_db} dB, {striker_db} dB");
+    }
+
+    #[test]
+    fn one_pair_alone_is_refused_unless_one_of_both_is_known() {
+        let set = set(6, 1, 1, 2);
+        let clips = clips(&set);
+        let unknown = separate(&clips, &Known::default(), Settings::default(), &|_| {});
+        assert_eq!(unknown.map(|_| ()), Err(SeparateError::OnePair));
+        let known = Known { objects: vec![Some(vec![(440.0, 5.0)])], strikers: vec![None] };
+        let separation = separate(&clips, &known, Settings::default(), &|_| {}).expect("the thing is known");
+        assert_eq!(separation.objects[0].len(), 1);
+        assert!((separation.objects[0][0].frequency_hz - 440.0).abs() < 1e-9 && !separation.strikers[0].is_empty());
+    }
+
+    #[test]
+    fn silence_and_other_rates_are_refused_with_the_recording() {
+        let set = set(7, 2, 1, 1);
+        let mut clips = clips(&set);
+        let silence = vec![0.0; 20_000];
+        let refused = |clips: &[Clip<'_>]| separate(clips, &Known::default(), Settings::default(), &|_| {}).err();
+        clips[1].rate_hz = 48_000.0;
+        assert_eq!(refused(&clips), Some(SeparateError::Rates { clip: 1, rate_hz: 48_000.0, first_hz: RATE_HZ }));
+        clips[1] = Clip { samples: &silence, rate_hz: RATE_HZ, ..clips[1] };
+        assert_eq!(refused(&clips), Some(SeparateError::NoBlow { clip: 1 }));
+        assert_eq!(refused(&[]), Some(SeparateError::Nothing));
+    }
 }

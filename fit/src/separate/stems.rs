@@ -77,7 +77,8 @@ pub(super) fn separated(
             .collect::<Option<_>>()?;
     }
     let stems = recorded.par_iter().zip(clips).enumerate();
-    let stems = stems.map(|(index, (recorded, clip))| stems_of(clip, recorded, owned, parts.of_clip[index][0])).collect();
+    let stems =
+        stems.map(|(index, (recorded, clip))| stems_of(clip, recorded, owned, parts.of_clip[index][0])).collect();
     let modes = |part: usize| modes_of(part, &recorded, owned, clips.first().map_or(1.0, |clip| clip.rate_hz));
     Some(Separation {
         objects: (0..parts.objects).map(modes).collect(),
@@ -93,7 +94,8 @@ fn contacts(clip: &Clip<'_>, blows: &[usize], owned: &Owned, members: Vec<usize>
     let lead = (LEAD_S * clip.rate_hz) as usize;
     let mut struck = Vec::with_capacity(blows.len());
     for (index, &blow) in blows.iter().enumerate() {
-        let end = blows.get(index + 1).map_or(left.len(), |next| next.saturating_sub(lead)).max(blow + 8).min(left.len());
+        let end =
+            blows.get(index + 1).map_or(left.len(), |next| next.saturating_sub(lead)).max(blow + 8).min(left.len());
         let contact = find(&left, blow, end, &poles, clip.rate_hz);
         let blow = solved(&left, contact, end, &poles, None)?;
         subtract(&mut left, &blow, &poles);

@@ -48,7 +48,8 @@ type Mode = (f64, f64, f64, f64);
 /// White noise has -65 dBFS rms, the peak 0.7; the samples are rounded to 24 bits.
 pub fn set(seed: u64, strikers: usize, things: usize, blows: usize) -> Vec<Blow> {
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5E9A_7A7E);
-    let of_things: Vec<Vec<Mode>> = (0..things).map(|_| modes(&mut random, [8, 15], [150.0, 6e3], [0.15, 1.2])).collect();
+    let of_things: Vec<Vec<Mode>> =
+        (0..things).map(|_| modes(&mut random, [8, 15], [150.0, 6e3], [0.15, 1.2])).collect();
     let of_strikers: Vec<(Vec<Mode>, f64)> = (0..strikers)
         .map(|_| {
             let modes = modes(&mut random, [4, 8], [400.0, 9e3], [0.06, 0.4]);

@@ -175,13 +175,14 @@ fn write_tables(
         let contact_time_s = ::fit::score::quantile(&times_s, 0.5).clamp(1e-4, 0.02);
         let table = tables::of_part(kind, modes, contact_time_s, &provenance);
         // Two names may differ in characters only that a file's name cannot have.
-        let stem: String = name.chars().map(|c| if c.is_alphanumeric() || "-_ .".contains(c) { c } else { '-' }).collect();
+        let stem: String =
+            name.chars().map(|c| if c.is_alphanumeric() || "-_ .".contains(c) { c } else { '-' }).collect();
         let count = taken.entry(stem.to_lowercase()).or_default();
         *count += 1;
         let number = if *count > 1 { format!("-{count}") } else { String::new() };
         let path = arguments.output.join(format!("{stem}{number}-{}.toml", kind.name()));
         ::kit::file::write_whole(&path, ::kit::text::write(&table).as_bytes())?;
-        let ringing: Vec<RingingMode> = modes.iter().map(ringing).collect();
+        let ringing: Vec<RingingMode> = modes.iter().map(PartMode::ringing).collect();
         reports.push(PartReport {
             name: name.clone(),
             table: path,
@@ -195,10 +196,6 @@ fn write_tables(
 /// Contact time in seconds of the loudest blow.
 fn loudest(blows: &[Blow]) -> Option<f64> {
     blows.iter().max_by(|a, b| a.level_db.total_cmp(&b.level_db)).map(|blow| blow.contact_time_s)
-}
-
-fn ringing(mode: &PartMode) -> RingingMode {
-    RingingMode { frequency_hz: mode.frequency_hz, decay_per_s: mode.decay_per_s, level_db: mode.level_db }
 }
 
 fn as_text(rows: &[Row<'_>], objects: &[PartReport], strikers: &[PartReport]) -> String {

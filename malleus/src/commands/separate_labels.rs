@@ -123,7 +123,10 @@ mod tests {
     fn recordings_are_named_by_path_file_name_or_stem() {
         let labels = labels("striker,recording,object\nfork,one,mug\nfork,a/two.wav,cup\nspoon,b/two.wav,mug\n");
         let labels = labels.expect("valid labels");
-        assert_eq!((labels.objects, labels.strikers), (["mug", "cup"].map(str::to_owned).to_vec(), ["fork", "spoon"].map(str::to_owned).to_vec()));
+        assert_eq!(
+            (labels.objects, labels.strikers),
+            (["mug", "cup"].map(str::to_owned).to_vec(), ["fork", "spoon"].map(str::to_owned).to_vec())
+        );
         assert_eq!(labels.of_recording, [[0, 0], [1, 0], [0, 1]]);
     }
 
