@@ -65,7 +65,7 @@ mod tests {
     use crate::separate::synthetic::{RATE_HZ, set};
 
     #[test]
-    fn blows_are_found_within_a_millisecond_and_few_rises_are_none() {
+    fn all_blows_and_most_touches_are_found_and_nothing_else() {
         let set = set(1, 2, 2, 4);
         let (mut near, mut found, mut all) = (0, 0, 0);
         for blow in &set {
@@ -74,6 +74,6 @@ mod tests {
             found += blows.len();
             all += 1 + usize::from(blow.has_touch);
         }
-        assert!(near == set.len() && found <= all && found + 2 >= all, "{near} of {}, {found} of {all}", set.len());
+        assert!(near == set.len() && found <= all && found + 4 >= all, "{near} of {}, {found} of {all}", set.len());
     }
 }
