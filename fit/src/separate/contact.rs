@@ -94,8 +94,10 @@ const STARTS_S: [f64; 2] = [-1.2e-3, 5e-4];
 const STEP_S: f64 = 1e-4;
 /// Length in seconds of the sound by which a contact is judged.
 const JUDGED_S: f64 = 0.03;
-/// Number of times that the steps are halved.
-const HALVINGS: usize = 4;
+/// Number of contact times of the grid from which a descent starts.
+const STARTS: usize = 3;
+/// Number of step lengths, each half of the one before.
+const HALVINGS: usize = 5;
 
 /// The contact that leaves least of the sound behind a blow, which ends before sample `end`.
 pub(super) fn find(left: &[f64], blow: usize, end: usize, poles: &[Pole], rate_hz: f64) -> Contact {
@@ -109,32 +111,44 @@ pub(super) fn find(left: &[f64], blow: usize, end: usize, poles: &[Pole], rate_h
         let behind = gains(&left[first..window.end], &contact.force(), poles, None);
         before + behind.map_or(f64::INFINITY, |(_, energy)| energy)
     };
-    let mut best = Contact { start: blow as f64, time: 1e-3 * rate_hz };
-    let mut least = leaves(best);
     let steps = ((STARTS_S[1] - STARTS_S[0]) / STEP_S).round() as usize;
-    for time_s in TIMES_S {
-        for step in 0..=steps {
-            let start = blow as f64 + (STARTS_S[0] + STEP_S * step as f64) * rate_hz;
-            let contact = Contact { start, time: time_s * rate_hz };
-            let left = leaves(contact);
-            if left < least {
-                (best, least) = (contact, left);
-            }
-        }
-    }
-    let (mut shift, mut ratio) = (0.5 * STEP_S * rate_hz, 1.2f64);
+    // The best beginning of each contact time: these lie in valleys of their own.
+    let mut starts: Vec<(f64, Contact)> = TIMES_S
+        .iter()
+        .filter_map(|time_s| {
+            let tried = (0..=steps).map(|step| {
+                let start = blow as f64 + (STARTS_S[0] + STEP_S * step as f64) * rate_hz;
+                let contact = Contact { start, time: time_s * rate_hz };
+                (leaves(contact), contact)
+            });
+            tried.min_by(|a, b| a.0.total_cmp(&b.0))
+        })
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let descended = starts.into_iter().take(STARTS).map(|start| descended(start, rate_hz, leaves));
+    let best = descended.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or(Contact { start: blow as f64, time: TIMES_S[4] * rate_hz }, |(_, contact)| contact)
+}
+
+/// The contact to which halved steps lead, with what it leaves.
+fn descended(from: (f64, Contact), rate_hz: f64, leaves: impl Fn(Contact) -> f64) -> (f64, Contact) {
+    let (mut least, mut best) = from;
+    let mut step = 0.5 * STEP_S * rate_hz;
     for _ in 0..HALVINGS {
         loop {
-            let moved = [(shift, 1.0), (-shift, 1.0), (0.0, ratio), (0.0, 1.0 / ratio)]
-                .map(|(shift, ratio)| Contact { start: best.start + shift, time: best.time * ratio });
-            let tried = moved.map(|contact| (leaves(contact), contact));
-            let Some((left, contact)) = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            if left >= least * (1.0 - 1e-6) {
+            // Beginning and end move together, alone, or against one another.
+            let moves = [(1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (0.5, -1.0)];
+            let tried = moves.iter().flat_map(|&(start, time)| {
+                [step, -step].map(|by| Contact { start: best.start + start * by, time: best.time + time * by })
+            });
+            let tried = tried.map(|contact| (leaves(contact), contact));
+            let Some((left, contact)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            if left >= least * (1.0 - 1e-4) {
                 break;
             }
             (best, least) = (contact, left);
         }
-        (shift, ratio) = (0.5 * shift, ratio.sqrt());
+        step *= 0.5;
     }
-    best
+    (least, best)
 }
