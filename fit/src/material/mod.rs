@@ -1,7 +1,7 @@
 //! Material of a sounding object, and its Young's modulus, from the damping of its modes.
 //!
-//! A material's law tells the decay of a mode at a frequency up to a factor of the object's own: the
-//! loss of its support, of the air and of its joints. The factor is unknown and integrated over. So
+//! A material's law tells the decay of a mode at a frequency up to a factor of the object's own:
+//! the loss of its support, of the air and of its joints. The factor is unknown and integrated over. So
 //! the level of the decays tells something, and how they grow with frequency tells more. The law is
 //! known in two ways: as a published loss factor, and as measured on things of that kind.
 //!

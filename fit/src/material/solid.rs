@@ -110,8 +110,9 @@ fn series(solid: Solid) -> Vec<f64> {
     }
 }
 
-/// Roots of the frequency equation of a free Timoshenko bar of rectangular section (T. C. Huang, The
-/// effect of rotatory inertia and of shear deformation, J. Appl. Mech. 28, 1961).
+/// Roots of the frequency equation of a free Timoshenko bar of rectangular section.
+///
+/// T. C. Huang, The effect of rotatory inertia and of shear deformation, J. Appl. Mech. 28, 1961.
 fn bar_series(slenderness: f64, count: usize) -> Vec<f64> {
     let inertia = slenderness * slenderness / 12.0;
     // The shear coefficient of a rectangle is 10(1+ν)/(12+11ν) (Cowper 1966), E/G is 2(1+ν).

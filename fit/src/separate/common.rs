@@ -90,7 +90,7 @@ struct Search<'a> {
     known: usize,
 }
 
-/// Modes of all parts, searched for from known ones on; parts that are `closed` get no further ones.
+/// Modes of all parts, searched for from known ones on. Parts that are `closed` get no others.
 ///
 /// `report` hears the number of passes that are done, of at most [`passes`].
 pub(super) fn common_modes(

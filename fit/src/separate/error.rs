@@ -1,6 +1,8 @@
 //! Refusals of a separation.
 
-/// Reason why recordings cannot be separated. Its message says what is wrong, where, and what to do.
+/// Reason why recordings cannot be separated.
+///
+/// Its message says what is wrong, where, and what to do.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SeparateError {
     /// Only one pair of thing and striker is recorded, and neither is known.
