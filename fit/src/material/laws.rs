@@ -55,8 +55,8 @@ impl Kind {
     ///
     /// Lines through ln decay over ln frequency of the modes in J. Traer, M. Cusimano and J. H.
     /// McDermott, A perceptually inspired generative model of rigid-body contact sounds (DAFx
-    /// 2019), as the package tdw has them (BSD-2-Clause), without decays of more than 20 s: 355 modes of
-    /// ceramic, 485 of glass, 549 of wood, 50 of hard plastic and 503 of metal.
+    /// 2019), as the package tdw has them (BSD-2-Clause), without decays of more than 20 s: 355
+    /// modes of ceramic, 485 of glass, 549 of wood, 50 of hard plastic and 503 of metal.
     pub(super) fn measured(self) -> Law {
         match self {
             Self::Ceramic => Law::Measured(18.0, 0.82),
