@@ -41,7 +41,7 @@ pub struct RingingMode {
 /// An estimate with its range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// Median.
+    /// Most likely value.
     pub estimate: f64,
     /// Value below which it lies with a probability of 5 %.
     pub low: f64,
@@ -182,7 +182,7 @@ fn log_sum(logs: &[f64]) -> f64 {
     most + logs.iter().map(|log| (log - most).exp()).sum::<f64>().ln()
 }
 
-/// Young's modulus: median and 90 % range over all materials by their likelihood.
+/// Young's modulus: that of the likeliest material, and the 90 % range over all by likelihood.
 fn modulus(posterior: &[(Guess, &Material)]) -> Interval {
     let below = |log_pascals: f64| -> f64 {
         let share = |(guess, material): &(Guess, &Material)| {
@@ -199,7 +199,10 @@ fn modulus(posterior: &[(Guess, &Material)]) -> Interval {
         }
         (0.5 * (low + high)).exp()
     };
-    Interval { estimate: quantile(0.5), low: quantile(0.05), high: quantile(0.95) }
+    let (low, high) = (quantile(0.05), quantile(0.95));
+    // The median of all may be that of no material: it lies between those of two.
+    let estimate = posterior.first().map_or(quantile(0.5), |(_, material)| material.young_modulus[0]);
+    Interval { estimate, low: low.min(estimate), high: high.max(estimate) }
 }
 
 /// Modes of a fit as far as they tell of a material, with their levels in the loudest strike.
