@@ -17,6 +17,7 @@ pub mod room;
 pub mod room_prior;
 pub mod score;
 pub mod segment;
+pub mod separate;
 pub mod stages;
 pub mod strike;
 pub mod synthetic;

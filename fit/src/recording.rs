@@ -27,6 +27,10 @@ pub struct Options {
     pub hits: Vec<usize>,
     /// Licence of the recording, for the table.
     pub licence: String,
+    /// Materials that the object may be made of; all that are known if empty.
+    pub materials: Vec<material::Material>,
+    /// Size and density of the object, if it is a bar or a disc.
+    pub solid: Option<material::solid::Solid>,
 }
 
 /// A fitted recording.
@@ -72,6 +76,8 @@ pub struct Report {
     pub t60_s: [f64; 2],
     /// Guess at the object's material.
     pub material: Option<material::Guess>,
+    /// Young's modulus in pascals: of the solid whose size is known, else of the likely materials.
+    pub young_modulus_pa: Option<material::Interval>,
     /// Log-spectral distance in dB of dsp-core's rendering of the modes from the loudest strike.
     pub lsd_db: f64,
     /// Log-spectral distance in dB of the `f64` reference's rendering of the modes from the loudest
@@ -243,6 +249,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
     };
     let sounding = sounding(&fit);
+    let ringing = material::ringing(&fit);
+    let identified = material::identify(&ringing, material::all_if_none(&options.materials));
     let left: Vec<f64> = heard.iter().zip(&rendering).map(|(heard, given)| heard - given).collect();
     let report = Report {
         input: path.to_owned(),
@@ -262,7 +270,11 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         modes: fit.modes.len(),
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
-        material: material::guess(&fit),
+        material: identified.as_ref().map(|identified| identified.material),
+        young_modulus_pa: match options.solid {
+            Some(solid) => material::solid::young_modulus_pa(&ringing, solid),
+            None => identified.map(|identified| identified.young_modulus_pa),
+        },
         lsd_db: modes_alone.lsd_db,
         lsd_reference_db: stage.distances(&by_reference).lsd_db,
         lsd_with_residual_db: with_residual.lsd_db,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use dsp_core::SampleRate;
 use dsp_core::limiter::LOWEST_CEILING_DB;
+use fit::material::solid::Solid;
 use virtual_board::Board;
 
 use crate::commands::board::{BoardCommand, parse_board};
@@ -28,6 +29,9 @@ pub(crate) enum Command {
     Play(PlayArguments),
     /// Fit recordings of struck objects, and write one table per recording
     Fit(FitArguments),
+    /// Separate recordings of strikers on things into the sound of the thing, that of the striker,
+    /// and the rest
+    Separate(SeparateArguments),
     /// Make, build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),
@@ -155,12 +159,59 @@ pub(crate) struct FitArguments {
     /// folder, and an index of all pages in it
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
+    /// Materials to choose from [default: all that are known]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub(crate) materials: Vec<String>,
+    /// Size of a bar that is free all round, in m, and its density in kg/m³: its modes then give
+    /// Young's modulus
+    #[arg(long, value_name = "L,H,DENSITY", value_parser = parse_bar, conflicts_with_all = ["disc", "dynamic_filter"])]
+    pub(crate) bar: Option<Solid>,
+    /// Radius and thickness of a disc that is free all round, in m, and its density in kg/m³: its
+    /// modes then give Young's modulus
+    #[arg(long, value_name = "R,H,DENSITY", value_parser = parse_disc, conflicts_with = "dynamic_filter")]
+    pub(crate) disc: Option<Solid>,
     /// Licence of the recordings, kept in the tables
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) licence: String,
     /// Fit again the recordings whose results exist and are newer than they are
     #[arg(long)]
     pub(crate) redo: bool,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `malleus separate`.
+#[derive(Debug, Args)]
+pub(crate) struct SeparateArguments {
+    /// Recordings: WAV, FLAC, AIFF, Ogg Vorbis, MP3, AAC, ALAC or CAF
+    #[arg(required = true, value_name = "RECORDING")]
+    pub(crate) input: Vec<PathBuf>,
+    /// Who strikes what: CSV in UTF-8 with the columns recording,object,striker, one line a
+    /// recording, named by its path or by its file's name
+    #[arg(long, value_name = "LABELS.csv")]
+    pub(crate) labels: PathBuf,
+    /// Folder for the stems NAME-object.wav, NAME-striker.wav and NAME-rest.wav and the tables; it
+    /// is made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Known table of a thing, whose modes are kept; without NAME it is that of the thing called
+    /// like the file
+    #[arg(long, value_name = "[NAME=]TABLE.toml")]
+    pub(crate) object: Vec<String>,
+    /// Known table of a striker, whose modes are kept; without NAME it is that of the striker
+    /// called like the file
+    #[arg(long, value_name = "[NAME=]TABLE.toml")]
+    pub(crate) striker: Vec<String>,
+    /// Maximum number of modes of each thing and of each striker
+    #[arg(long, value_name = "N", default_value = "40", value_parser = parse_modes)]
+    pub(crate) modes: usize,
+    /// Materials to choose from [default: all that are known]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub(crate) materials: Vec<String>,
+    /// Licence of the recordings, kept in the tables
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub(crate) licence: String,
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     pub(crate) json: bool,
@@ -262,6 +313,35 @@ fn parse_modes(text: &str) -> Result<usize, String> {
 fn parse_cycles(text: &str) -> Result<f64, String> {
     let cycles = text.parse().ok().filter(|cycles| (10.0..=1e6).contains(cycles));
     cycles.ok_or("must be from 10 to 1000000 cycles per sample".to_owned())
+}
+
+fn parse_bar(text: &str) -> Result<Solid, String> {
+    let [length_m, height_m, density] = parse_solid(text)?;
+    match height_m <= 0.2 * length_m {
+        true => Ok(Solid::Bar { length_m, height_m, density }),
+        false => Err("must have a thickness of at most a fifth of the length".to_owned()),
+    }
+}
+
+fn parse_disc(text: &str) -> Result<Solid, String> {
+    let [radius_m, height_m, density] = parse_solid(text)?;
+    match height_m <= 0.1 * radius_m {
+        true => Ok(Solid::Disc { radius_m, height_m, density }),
+        false => Err("must have a thickness of at most a tenth of the radius".to_owned()),
+    }
+}
+
+/// Size, thickness and density of a solid.
+fn parse_solid(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let solid = <[f64; 3]>::try_from(numbers).ok().filter(|_| text.split(',').count() == 3);
+    let is_possible = |[size_m, height_m, density]: &[f64; 3]| {
+        (1e-3..=10.0).contains(size_m) && (1e-5..=1.0).contains(height_m) && (10.0..=25_000.0).contains(density)
+    };
+    solid.filter(is_possible).ok_or(
+        "must be three numbers such as 0.3,0.006,7850: a size of 0.001 to 10 m, a thickness of 0.00001 to 1 m, a density of 10 to 25000 kg/m³"
+            .to_owned(),
+    )
 }
 
 fn parse_tail(text: &str) -> Result<f64, String> {

@@ -1,11 +1,12 @@
 //! Cramer-Rao bounds of modes in white noise.
 
+use nalgebra::{Cholesky, Complex, DMatrix};
 use serde::Serialize;
 
+use super::basis::{Basis, Stretch};
 use super::damped_sine::DampedSine;
 use super::noise::NoiseFloor;
 use super::pole::Pole;
-use super::refine::standard_deviations;
 
 /// Cramer-Rao bounds of a mode: the smallest standard deviations of an unbiased estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -49,4 +50,46 @@ pub fn standard_deviations_in(modes: &[DampedSine], residual: &[f64], rate_hz: f
         }
     });
     Some(scaled.collect())
+}
+
+/// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per
+/// sample.
+///
+/// The noise is white with variance `noise_variance`; all gains and poles are unknown. `None` if
+/// the modes cannot be told apart.
+fn standard_deviations(length: usize, modes: &[(Pole, Complex<f64>)], noise_variance: f64) -> Option<Vec<[f64; 3]>> {
+    let silence = vec![0.0; length];
+    let stretch = Stretch::ringing(&silence);
+    let bases: Vec<Basis> = modes.iter().map(|(pole, _)| Basis::new(*pole, &stretch)).collect();
+    let size = 4 * modes.len();
+    let mut information = DMatrix::zeros(size, size);
+    let turn = Complex::new(0.0, 1.0);
+    // Columns of each mode: decay, angular, ln amplitude, phase.
+    let columns = |c: Complex<f64>| [(true, -c), (true, turn * c), (false, c), (false, turn * c)];
+    for (k, (a, (_, gain_a))) in bases.iter().zip(modes).enumerate() {
+        for (l, (b, (_, gain_b))) in bases.iter().zip(modes).enumerate() {
+            let products = a.products(b);
+            for (i, (ramp_a, alpha)) in columns(*gain_a).into_iter().enumerate() {
+                for (j, (ramp_b, beta)) in columns(*gain_b).into_iter().enumerate() {
+                    let pair = match (ramp_a, ramp_b) {
+                        (false, false) => products.uu,
+                        (false, true) => products.uv,
+                        (true, false) => products.vu,
+                        (true, true) => products.vv,
+                    };
+                    information[(4 * k + i, 4 * l + j)] = pair.real(alpha, beta);
+                }
+            }
+        }
+    }
+    // A unit diagonal makes the inverse exact in any units.
+    let scale: Vec<f64> = (0..size).map(|index| information[(index, index)].sqrt()).collect();
+    for row in 0..size {
+        for column in 0..size {
+            information[(row, column)] /= scale[row] * scale[column];
+        }
+    }
+    let inverse = Cholesky::new(information)?.inverse();
+    let deviation = |index: usize| (noise_variance * inverse[(index, index)]).sqrt() / scale[index];
+    Some((0..modes.len()).map(|k| [4 * k, 4 * k + 1, 4 * k + 2].map(deviation)).collect())
 }

@@ -32,6 +32,6 @@ pub(crate) use estimate::{estimate_poles, explains, filled};
 pub(crate) use noise::NoiseFloor;
 pub(crate) use pole::{Pole, add_ringing, project};
 pub(crate) use polish::polish;
-pub(crate) use refine::{Ending, Gains, Group, Model, refine};
-pub(crate) use search::{Candidate, Range as SearchRange, standing_out};
+pub(crate) use refine::{Ending, Gains, Group, Model, refine, refine_shared};
+pub(crate) use search::{Candidate, Range as SearchRange, standing_out, stands_out};
 pub(crate) use subbands::candidates;

@@ -3,8 +3,8 @@
 //!
 //! Gains enter linearly: for given poles they are solved for exactly. The remaining least-squares
 //! problem in the poles is solved by Gauss-Newton steps (Kaufman's form) with Levenberg's damping.
-//! All groups share the poles. Each group has its own gains, which hold for all stretches of the
-//! group.
+//! All groups share the poles, or each has some of them. Each group has its own gains, which hold
+//! for all stretches of the group.
 
 use nalgebra::{Cholesky, Complex, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ impl<'a> Group<'a> {
 /// Gains of one group.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Gains {
-    /// Gain of each pole: the sound is `Σ Re(gain u)`.
+    /// Gain of each pole: the sound is `Σ Re(gain u)`. The gain of a pole that a group lacks is 0.
     pub(crate) modes: Vec<Complex<f64>>,
     /// Gain of the force itself (acceleration sound); 0 if the modes ring freely.
     pub(crate) force: f64,
@@ -55,7 +55,7 @@ impl Model {
     pub(crate) fn residual(&self, group: usize, stretch: &Stretch<'_>) -> Vec<f64> {
         let mut left = stretch.samples.to_vec();
         let gains = &self.gains[group];
-        for (&pole, gain) in self.poles.iter().zip(&gains.modes) {
+        for (&pole, gain) in self.poles.iter().zip(&gains.modes).filter(|(_, gain)| gain.norm_sqr() > 0.0) {
             Basis::new(pole, stretch).add(-gain, &mut left);
         }
         for (left, force) in left.iter_mut().zip(stretch.force.unwrap_or(&[])) {
@@ -220,23 +220,44 @@ impl Ending {
     pub(crate) const COARSE: Self = Self { steps: 12, gain: 1e-2, ridge: 0.0 };
 }
 
-/// Refines poles, and finds the gains of every group.
+/// Refines poles that all groups have, and finds the gains of every group.
 ///
 /// `None` if not even the given poles can be solved for.
 pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Option<Model> {
+    let all: Vec<usize> = (0..poles.len()).collect();
+    refine_shared(groups, &vec![all; groups.len()], poles, 0, ending)
+}
+
+/// Refines poles of which each group has some, and finds the gains of every group.
+///
+/// `members` lists the indices of the poles of each group. The first `known` poles do not move.
+/// `None` if not even the given poles can be solved for.
+pub(crate) fn refine_shared(
+    groups: &[Group<'_>],
+    members: &[Vec<usize>],
+    poles: &[Pole],
+    known: usize,
+    ending: Ending,
+) -> Option<Model> {
     let sample_count: usize = groups.iter().map(Group::sample_count).sum();
-    let solve_all =
-        |poles: &[Pole]| groups.par_iter().map(|group| solve(group, poles, ending.ridge)).collect::<Option<Vec<_>>>();
+    let solve_all = |poles: &[Pole]| {
+        let of_group = |(group, members): (&Group<'_>, &Vec<usize>)| {
+            let own: Vec<Pole> = members.iter().map(|&member| poles[member]).collect();
+            solve(group, &own, ending.ridge)
+        };
+        groups.par_iter().zip(members).map(of_group).collect::<Option<Vec<_>>>()
+    };
     let energy_of = |solved: &[Solved]| solved.iter().map(|solved| solved.residual_energy).sum::<f64>();
     let mut poles = poles.to_vec();
     let mut solved = solve_all(&poles)?;
     let mut energy = energy_of(&solved);
     let (mut damping, mut tried) = (1e-3, 0);
-    while tried < ending.steps && !poles.is_empty() {
-        let (mut normal, mut right) =
-            (DMatrix::zeros(2 * poles.len(), 2 * poles.len()), DVector::zeros(2 * poles.len()));
-        for (group, solved) in groups.iter().zip(&solved) {
-            add_pole_equations(group, solved, &mut normal, &mut right);
+    while tried < ending.steps && known < poles.len() {
+        let (mut normal, mut right) = pole_equations(groups, members, &solved, poles.len());
+        for index in 0..2 * known {
+            normal.row_mut(index).fill(0.0);
+            normal.column_mut(index).fill(0.0);
+            (normal[(index, index)], right[index]) = (1.0, 0.0);
         }
         let mut accepted = false;
         while tried < ending.steps && !accepted {
@@ -270,16 +291,48 @@ pub(crate) fn refine(groups: &[Group<'_>], poles: &[Pole], ending: Ending) -> Op
         }
     }
     let mut worth = vec![0.0; poles.len()];
-    for solved in &solved {
+    for (solved, members) in solved.iter().zip(members) {
         let inverse = solved.factor.inverse();
-        for (k, (worth, gain)) in worth.iter_mut().zip(&solved.gains.modes).enumerate() {
+        for (k, (&member, gain)) in members.iter().zip(&solved.gains.modes).enumerate() {
             let block = inverse.fixed_view::<2, 2>(2 * k, 2 * k).into_owned();
             let gain = nalgebra::Vector2::new(gain.re, gain.im);
-            *worth += block.try_inverse().map_or(0.0, |block| gain.dot(&(block * gain)));
+            worth[member] += block.try_inverse().map_or(0.0, |block| gain.dot(&(block * gain)));
         }
     }
-    let gains = solved.into_iter().map(|solved| solved.gains).collect();
+    let gains = solved.into_iter().zip(members).map(|(solved, members)| {
+        let mut modes = vec![Complex::new(0.0, 0.0); poles.len()];
+        members.iter().zip(&solved.gains.modes).for_each(|(&member, gain)| modes[member] = *gain);
+        Gains { modes, force: solved.gains.force }
+    });
+    let gains = gains.collect();
     Some(Model { poles, gains, worth })
+}
+
+/// Normal equations of all groups in `d` and `ω` of each pole.
+fn pole_equations(
+    groups: &[Group<'_>],
+    members: &[Vec<usize>],
+    solved: &[Solved],
+    count: usize,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let of_group = |((group, members), solved): ((&Group<'_>, &Vec<usize>), &Solved)| {
+        let size = 2 * members.len();
+        let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        add_pole_equations(group, solved, &mut normal, &mut right);
+        (normal, right)
+    };
+    let parts: Vec<(DMatrix<f64>, DVector<f64>)> = groups.par_iter().zip(members).zip(solved).map(of_group).collect();
+    let (mut normal, mut right) = (DMatrix::zeros(2 * count, 2 * count), DVector::zeros(2 * count));
+    for ((own_normal, own_right), members) in parts.iter().zip(members) {
+        let place = |index: usize| 2 * members[index / 2] + index % 2;
+        for row in 0..own_right.len() {
+            right[place(row)] += own_right[row];
+            for column in 0..own_right.len() {
+                normal[(place(row), place(column))] += own_normal[(row, column)];
+            }
+        }
+    }
+    (normal, right)
 }
 
 /// Poles after a step, kept inside the unit circle and between 0 and Nyquist.
@@ -301,48 +354,3 @@ fn moved(poles: &[Pole], step: &DVector<f64>) -> Vec<Pole> {
 const LEAST_DECAY: f64 = 3e-6;
 /// Fastest decay in 1/sample, just below the fastest that the instrument plays, 0.34.
 pub(crate) const MOST_DECAY: f64 = 0.3;
-
-/// Cramer-Rao bounds: standard deviations of `[decay, angular, ln amplitude]` of each mode, per
-/// sample.
-///
-/// The noise is white with variance `noise_variance`; all gains and poles are unknown. `None` if
-/// the modes cannot be told apart.
-pub(crate) fn standard_deviations(
-    length: usize,
-    modes: &[(Pole, Complex<f64>)],
-    noise_variance: f64,
-) -> Option<Vec<[f64; 3]>> {
-    let silence = vec![0.0; length];
-    let stretch = Stretch::ringing(&silence);
-    let bases: Vec<Basis> = modes.iter().map(|(pole, _)| Basis::new(*pole, &stretch)).collect();
-    let size = 4 * modes.len();
-    let mut information = DMatrix::zeros(size, size);
-    // Columns of each mode: decay, angular, ln amplitude, phase.
-    let columns = |c: Complex<f64>| [(true, -c), (true, TURN * c), (false, c), (false, TURN * c)];
-    for (k, (a, (_, gain_a))) in bases.iter().zip(modes).enumerate() {
-        for (l, (b, (_, gain_b))) in bases.iter().zip(modes).enumerate() {
-            let products = a.products(b);
-            for (i, (ramp_a, alpha)) in columns(*gain_a).into_iter().enumerate() {
-                for (j, (ramp_b, beta)) in columns(*gain_b).into_iter().enumerate() {
-                    let pair = match (ramp_a, ramp_b) {
-                        (false, false) => products.uu,
-                        (false, true) => products.uv,
-                        (true, false) => products.vu,
-                        (true, true) => products.vv,
-                    };
-                    information[(4 * k + i, 4 * l + j)] = pair.real(alpha, beta);
-                }
-            }
-        }
-    }
-    // A unit diagonal makes the inverse exact in any units.
-    let scale: Vec<f64> = (0..size).map(|index| information[(index, index)].sqrt()).collect();
-    for row in 0..size {
-        for column in 0..size {
-            information[(row, column)] /= scale[row] * scale[column];
-        }
-    }
-    let inverse = Cholesky::new(information)?.inverse();
-    let deviation = |index: usize| (noise_variance * inverse[(index, index)]).sqrt() / scale[index];
-    Some((0..modes.len()).map(|k| [4 * k, 4 * k + 1, 4 * k + 2].map(deviation)).collect())
-}

@@ -91,7 +91,8 @@ const OVER_SKIRT: f64 = 8.0;
 /// A weaker peak may be a remainder of the strongest modes, so it waits for the next pass.
 const IN_ONE_PASS: f64 = 100.0;
 
-fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> bool {
+/// True if a candidate is no part of the skirt of a stronger one, seen for `length` samples.
+pub(crate) fn stands_out(candidate: &Candidate, stronger: &Candidate, length: usize) -> bool {
     let distance = candidate.pole.angular - stronger.pole.angular;
     let width = (stronger.pole.decay + candidate.pole.decay).max(PI / length as f64);
     let skirt = stronger.significance * width * width / (width * width + distance * distance);

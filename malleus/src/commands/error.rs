@@ -9,6 +9,9 @@ use malleus::render::instrument::RenderError;
 use malleus::report::ReportError;
 use malleus::wave::WaveError;
 
+use super::separate_labels::LabelsError;
+use super::separate_tables::KnownError;
+
 /// Failure of a command. Its message says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CommandError {
@@ -92,6 +95,14 @@ pub(crate) enum CommandError {
     PartsOnBoard { file: String },
     #[error("a part of the kit cannot be played alone: {error}")]
     Parts { error: String },
+    #[error(transparent)]
+    Labels(#[from] LabelsError),
+    #[error(transparent)]
+    Known(#[from] KnownError),
+    #[error(transparent)]
+    Materials(#[from] ::fit::material::UnknownMaterial),
+    #[error("{0}")]
+    Recording(String),
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]

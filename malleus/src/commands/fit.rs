@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use ::fit::material::{self, Material};
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
 use indicatif::ProgressBar;
@@ -45,6 +46,7 @@ enum Outcome {
 const STACK_BYTES: usize = 64 << 20;
 
 pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
+    material::named(&arguments.materials)?;
     let one_file = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if one_file && arguments.input.len() > 1 {
         return Err(CommandError::OneTable { output: arguments.output.clone(), inputs: arguments.input.len() });
@@ -131,7 +133,8 @@ fn fit_one(arguments: &FitArguments, job: &Job, bar: &ProgressBar) -> Outcome {
 
 fn fit_and_write(arguments: &FitArguments, job: &Job) -> Result<Report, String> {
     let Job { input, name, table, page } = job;
-    let fitted = fit_file(input, &options(arguments)).map_err(|error| with_file(input, error))?;
+    let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
+    let fitted = fit_file(input, &options(arguments, materials)).map_err(|error| with_file(input, error))?;
     let text = ::kit::text::write(&fitted.table);
     ::kit::file::write_whole(table, text.as_bytes()).map_err(|error| error.to_string())?;
     if let Some(path) = &arguments.render {
@@ -154,11 +157,13 @@ fn failures(rows: &[Row]) -> Vec<(String, String)> {
     rows.iter().filter_map(failure).collect()
 }
 
-fn options(arguments: &FitArguments) -> Options {
+fn options(arguments: &FitArguments, materials: Vec<Material>) -> Options {
     let mut options = Options {
         force_channel: arguments.force_channel,
         hits: arguments.hits.clone(),
         licence: arguments.licence.clone(),
+        solid: arguments.bar.or(arguments.disc),
+        materials,
         ..Options::default()
     };
     let within = arguments.budget.map_or(usize::MAX, ::fit::table::modes_within);

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::audio;
+use ::fit::material::solid::young_modulus_pa;
+use ::fit::material::{self, Guess, Interval, RingingMode};
 use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
 use indicatif::ProgressBar;
@@ -20,6 +22,10 @@ pub(crate) struct StrikesReport {
     events: PathBuf,
     #[serde(flatten)]
     pub(crate) estimate: Estimate,
+    /// Guess at the object's material.
+    material: Option<Guess>,
+    /// Young's modulus in pascals: of the solid whose size is known, else of the likely materials.
+    young_modulus_pa: Option<Interval>,
     /// Duration of the fit in seconds.
     pub(crate) seconds: f64,
 }
@@ -55,7 +61,35 @@ pub(super) fn fit_and_write(
     ::kit::file::write_whole(events, text.as_bytes()).map_err(|error| error.to_string())?;
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     notes.extend(flagged(&estimate));
-    Ok(StrikesReport { notes, events: events.to_owned(), estimate, seconds: start.elapsed().as_secs_f64() })
+    let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
+    let ringing = ringing(&estimate);
+    let identified = material::identify(&ringing, &materials);
+    let young_modulus_pa = match arguments.bar.or(arguments.disc) {
+        Some(solid) => young_modulus_pa(&ringing, solid),
+        None => identified.as_ref().map(|identified| identified.young_modulus_pa),
+    };
+    Ok(StrikesReport {
+        notes,
+        events: events.to_owned(),
+        estimate,
+        material: identified.map(|identified| identified.material),
+        young_modulus_pa,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Modes as far as they tell of a material, with their levels under an impulse.
+fn ringing(estimate: &Estimate) -> Vec<RingingMode> {
+    let energy = |mode: &multi_strike::ModeEstimate| {
+        (mode.gain[0] * mode.gain[0] + mode.gain[1] * mode.gain[1]) / mode.decay_per_s
+    };
+    let most = estimate.modes.iter().map(energy).fold(f64::MIN_POSITIVE, f64::max);
+    let modes = estimate.modes.iter().map(|mode| RingingMode {
+        frequency_hz: mode.frequency_hz,
+        decay_per_s: mode.decay_per_s,
+        level_db: 10.0 * (energy(mode) / most).max(1e-20).log10(),
+    });
+    modes.collect()
 }
 
 fn provenance(input: &Path, estimate: &Estimate, arguments: &FitArguments) -> Provenance {

@@ -16,4 +16,7 @@ mod kit_report;
 mod left_out;
 mod output;
 pub(crate) mod play;
+pub(crate) mod separate;
+mod separate_labels;
+mod separate_tables;
 mod usb_midi;

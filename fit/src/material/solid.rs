@@ -1,0 +1,258 @@
+//! Young's modulus of bars and discs of known size, from the frequencies of their modes.
+//!
+//! A bar that is free at both ends bends at `f_n = b_n h/(2πL²) sqrt(E/12ρ)`, a free disc at
+//! `f_n = λ_n² h/(2πR²) sqrt(E/(12 ρ (1 - ν²)))`. The numbers b_n and λ_n² do not depend on E, so
+//! that each mode that is known to be the n-th tells E. Which one it is, all of them together tell:
+//! E is the one at which the loudest modes stand where the solid's are.
+
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+use super::{Interval, RingingMode};
+
+/// A solid of uniform thickness, free all round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solid {
+    /// Bar of rectangular section, struck across its thickness.
+    Bar {
+        /// Length in metres.
+        length_m: f64,
+        /// Thickness in metres, in the direction in which it bends.
+        height_m: f64,
+        /// Density in kg/m³.
+        density: f64,
+    },
+    /// Circular disc.
+    Disc {
+        /// Radius in metres.
+        radius_m: f64,
+        /// Thickness in metres, at most a tenth of the radius.
+        height_m: f64,
+        /// Density in kg/m³.
+        density: f64,
+    },
+}
+
+/// Poisson's ratio that is assumed; bars hardly depend on it.
+const POISSON: f64 = 0.3;
+/// Numbers λ² of the free disc at a Poisson's ratio of 0.3, lowest first.
+const DISC: [f64; 8] = [5.358, 9.003, 12.439, 20.475, 21.835, 33.495, 35.260, 38.443];
+/// Number of a bar's modes that are looked for.
+const BAR_MODES: usize = 8;
+/// Number of a solid's lowest modes that a recorded mode may be taken for at the beginning.
+const FIRST: usize = 3;
+/// Largest distance of a recorded mode from the solid's, in natural logarithms: 2 %.
+const NEAR: f64 = 0.02;
+/// What a mode of the solid costs that is not recorded, in units of the loudest mode's weight.
+const MISSING: f64 = 0.25;
+/// Least level in dB of a mode that counts.
+const LEAST_LEVEL_DB: f64 = -45.0;
+/// Range of Young's modulus in pascals.
+const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
+/// Least standard deviation of ln E: Poisson's ratio, thickness and ends are not exactly known.
+const LEAST_SPREAD: f64 = 0.01;
+
+/// Young's modulus in pascals of a solid whose modes are recorded, with its range.
+///
+/// Bars are those of Timoshenko with a Poisson's ratio of 0.3. Within 3 % for bars up to a
+/// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
+/// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
+pub fn young_modulus_pa(modes: &[RingingMode], solid: Solid) -> Option<Interval> {
+    let series = series(solid);
+    let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();
+    let highest_hz = heard.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    let weight = |mode: &RingingMode| 10f64.powf(mode.level_db / 40.0);
+    // Frequencies are `scale` times the numbers of the series.
+    let matched = |scale: f64| -> (f64, Vec<(f64, f64)>) {
+        let (mut score, mut found) = (0.0, Vec::new());
+        for number in series.iter().filter(|number| *number * scale < highest_hz * (1.0 + NEAR)) {
+            let off = |mode: &RingingMode| (mode.frequency_hz / (number * scale)).ln();
+            let worth = |mode: &RingingMode| weight(mode) * (1.0 - (off(mode) / NEAR).powi(2));
+            let near = heard.iter().filter(|mode| off(mode).abs() < NEAR);
+            match near.max_by(|a, b| worth(a).total_cmp(&worth(b))) {
+                Some(mode) => {
+                    score += worth(mode);
+                    found.push((mode.frequency_hz / number, weight(mode)));
+                }
+                None => score -= MISSING,
+            }
+        }
+        (score, found)
+    };
+    let scales = heard.iter().flat_map(|mode| series.iter().take(FIRST).map(|number| mode.frequency_hz / number));
+    let possible = scales.filter(|scale| MODULI_PA.contains(&modulus(solid, *scale)));
+    let best = possible.map(matched).filter(|(_, found)| !found.is_empty()).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let weights: f64 = best.1.iter().map(|(_, weight)| weight).sum();
+    let mean = best.1.iter().map(|(scale, weight)| weight * scale.ln()).sum::<f64>() / weights;
+    let variance = best.1.iter().map(|(scale, weight)| weight * (scale.ln() - mean).powi(2)).sum::<f64>() / weights;
+    // E grows as the square of the frequencies.
+    let spread = 1.645 * (4.0 * variance / best.1.len() as f64).sqrt().max(LEAST_SPREAD);
+    let estimate = modulus(solid, mean.exp());
+    Some(Interval { estimate, low: estimate * (-spread).exp(), high: estimate * spread.exp() })
+}
+
+/// Young's modulus at which a solid's frequencies are `scale` times its series.
+fn modulus(solid: Solid, scale: f64) -> f64 {
+    match solid {
+        Solid::Bar { length_m, height_m, density } => {
+            12.0 * density * (TAU * scale * length_m * length_m / height_m).powi(2)
+        }
+        Solid::Disc { radius_m, height_m, density } => {
+            12.0 * density * (1.0 - POISSON * POISSON) * (TAU * scale * radius_m * radius_m / height_m).powi(2)
+        }
+    }
+}
+
+/// Numbers `ω L² sqrt(ρA/EI)` of a bar, or `ω R² sqrt(ρh/D)` of a disc, lowest first.
+fn series(solid: Solid) -> Vec<f64> {
+    match solid {
+        Solid::Bar { length_m, height_m, .. } => bar_series(height_m / length_m, BAR_MODES),
+        Solid::Disc { .. } => DISC.to_vec(),
+    }
+}
+
+/// Roots of the frequency equation of a free Timoshenko bar of rectangular section.
+///
+/// T. C. Huang, The effect of rotatory inertia and of shear deformation, J. Appl. Mech. 28, 1961.
+fn bar_series(slenderness: f64, count: usize) -> Vec<f64> {
+    let inertia = slenderness * slenderness / 12.0;
+    // The shear coefficient of a rectangle is 10(1+ν)/(12+11ν) (Cowper 1966), E/G is 2(1+ν).
+    let shear = inertia * 2.0 * (12.0 + 11.0 * POISSON) / 10.0;
+    let equation = |b: f64| {
+        let root = ((inertia - shear).powi(2) + 4.0 / (b * b)).sqrt();
+        let alpha = FRAC_1_SQRT_2 * (root - inertia - shear).max(0.0).sqrt();
+        let beta = FRAC_1_SQRT_2 * (root + inertia + shear).sqrt();
+        let below = (1.0 - b * b * inertia * shear).sqrt();
+        let factor = b / below * (b * b * inertia * (inertia - shear).powi(2) + 3.0 * inertia - shear);
+        // Divided by cosh bα, which grows beyond all bounds.
+        let cosh = (b * alpha).min(300.0).cosh();
+        2.0 / cosh - 2.0 * (b * beta).cos() + factor * (b * alpha).tanh() * (b * beta).sin()
+    };
+    let mut roots = Vec::with_capacity(count);
+    // Above this frequency waves of a second kind run along the bar, and the equation changes.
+    let cut_off = 0.999 / (inertia * shear).sqrt();
+    let (mut low, step) = (2.0, 0.1);
+    while roots.len() < count && low + step < cut_off {
+        let high = low + step;
+        if equation(low) * equation(high) < 0.0 {
+            let (mut from, mut to) = (low, high);
+            for _ in 0..60 {
+                let middle = 0.5 * (from + to);
+                if equation(from) * equation(middle) <= 0.0 { to = middle } else { from = middle }
+            }
+            roots.push(0.5 * (from + to));
+        }
+        low = high;
+    }
+    roots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frequencies in Hz of a free Timoshenko bar, with no use of its frequency equation.
+    ///
+    /// The four equations of motion are integrated from one end by Runge-Kutta steps, for two
+    /// starts without moment and shear force; at a mode some mixture of both has neither at the
+    /// other end.
+    fn bar_hz(length: f64, height: f64, density: f64, young: f64, poisson: f64, count: usize) -> Vec<f64> {
+        let (area, second) = (height, height.powi(3) / 12.0);
+        let shear = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson) * young / (2.0 * (1.0 + poisson)) * area;
+        let determinant = |hz: f64| {
+            let w2 = (TAU * hz).powi(2);
+            // Deflection, turn, moment, shear force.
+            let slope = |[y, turn, moment, force]: [f64; 4]| {
+                [
+                    turn + force / shear,
+                    moment / (young * second),
+                    -density * second * w2 * turn - force,
+                    -density * area * w2 * y,
+                ]
+            };
+            let end = |mut state: [f64; 4]| {
+                let steps = 1500;
+                let h = length / f64::from(steps);
+                let plus = |a: [f64; 4], b: [f64; 4], by: f64| std::array::from_fn(|i| a[i] + by * b[i]);
+                for _ in 0..steps {
+                    let k1 = slope(state);
+                    let k2 = slope(plus(state, k1, h / 2.0));
+                    let k3 = slope(plus(state, k2, h / 2.0));
+                    let k4 = slope(plus(state, k3, h));
+                    state = std::array::from_fn(|i| state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+                }
+                state
+            };
+            let (a, b) = (end([1.0, 0.0, 0.0, 0.0]), end([0.0, 1.0 / length, 0.0, 0.0]));
+            a[2] * b[3] - a[3] * b[2]
+        };
+        let euler = height / (TAU * length * length) * (young / (12.0 * density)).sqrt();
+        let (mut found, mut low, step) = (Vec::new(), 3.0 * euler, 2.0 * euler);
+        while found.len() < count {
+            let high = low + step;
+            if determinant(low) * determinant(high) < 0.0 {
+                let (mut from, mut to) = (low, high);
+                for _ in 0..30 {
+                    let middle = 0.5 * (from + to);
+                    if determinant(from) * determinant(middle) <= 0.0 { to = middle } else { from = middle }
+                }
+                found.push(0.5 * (from + to));
+            }
+            low = high;
+        }
+        found
+    }
+
+    fn ringing(frequencies: &[f64], levels_db: &[f64]) -> Vec<RingingMode> {
+        let modes = frequencies.iter().zip(levels_db);
+        modes.map(|(&frequency_hz, &level_db)| RingingMode { frequency_hz, decay_per_s: 5.0, level_db }).collect()
+    }
+
+    #[test]
+    fn numbers_of_a_slender_bar_are_those_of_euler_and_bernoulli() {
+        let euler = [4.730_041f64, 7.853_205, 10.995_608, 14.137_165].map(|root| root * root);
+        for (found, expected) in bar_series(1e-4, 4).iter().zip(euler) {
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn modulus_of_bars_of_known_size_is_found_within_3_percent() {
+        // Length, thickness, density, E, Poisson's ratio: steel, glass, wood and plastic.
+        let bars = [
+            (0.30, 0.006, 7850.0, 2.0e11, 0.29),
+            (0.20, 0.010, 2600.0, 6.2e10, 0.20),
+            (0.35, 0.020, 750.0, 1.1e10, 0.25),
+            (0.15, 0.030, 1190.0, 2.4e9, 0.37),
+            (0.10, 0.020, 7850.0, 2.0e11, 0.29),
+        ];
+        for (length_m, height_m, density, young, poisson) in bars {
+            let mut modes =
+                ringing(&bar_hz(length_m, height_m, density, young, poisson, 5), &[0.0, -3.0, -8.0, -6.0, -20.0]);
+            // Modes of other kinds, torsion or bending sideways.
+            let first_hz = modes[0].frequency_hz;
+            modes.extend(ringing(&[first_hz * 1.63, first_hz * 3.9, first_hz * 6.6], &[-9.0, -12.0, -6.0]));
+            let found = young_modulus_pa(&modes, Solid::Bar { length_m, height_m, density }).expect("a bar");
+            println!("E {young:e} Pa: {:.2} % off", 100.0 * (found.estimate / young - 1.0));
+            assert!((found.estimate / young - 1.0).abs() < 0.03, "{young} {found:?}");
+        }
+    }
+
+    #[test]
+    fn modulus_of_a_bar_is_found_from_its_second_and_third_mode_alone() {
+        let frequencies = bar_hz(0.3, 0.006, 7850.0, 2.0e11, 0.29, 4);
+        let modes = ringing(&frequencies[1..], &[0.0, -2.0, -5.0]);
+        let bar = Solid::Bar { length_m: 0.3, height_m: 0.006, density: 7850.0 };
+        let found = young_modulus_pa(&modes, bar).expect("a bar");
+        assert!((found.estimate / 2.0e11 - 1.0).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn modulus_of_a_disc_is_found_and_silence_tells_none() {
+        let disc = Solid::Disc { radius_m: 0.1, height_m: 0.004, density: 2600.0 };
+        let scale = 0.004 / (TAU * 0.01) * (6.2e10f64 / (12.0 * 2600.0 * (1.0 - 0.3 * 0.3))).sqrt();
+        let modes = ringing(&DISC.map(|number| number * scale), &[0.0, -6.0, -3.0, -9.0, -8.0, -20.0, -15.0, -30.0]);
+        let found = young_modulus_pa(&modes, disc).expect("a disc");
+        assert!((found.estimate / 6.2e10 - 1.0).abs() < 1e-6 && found.low < 6.2e10 && found.high > 6.2e10);
+        assert_eq!(young_modulus_pa(&[], disc), None);
+    }
+}

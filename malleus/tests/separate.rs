@@ -1,0 +1,110 @@
+//! `malleus separate` as its user calls it: stems, tables, the report, and what it refuses.
+//! `cargo test -p malleus --test separate` runs this file.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use fit::separate::synthetic::set;
+use tempfile::TempDir;
+
+const STEP: f64 = 8_388_608.0;
+
+/// Folder with the recordings t0s0.wav to t1s1.wav of two strikers on two things.
+fn recorded() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    for blow in set(77, 2, 2, 1) {
+        let spec = hound::WavSpec {
+            channels: 1,
+            sample_rate: 44_100,
+            bits_per_sample: 24,
+            sample_format: hound::SampleFormat::Int,
+        };
+        let path = folder.path().join(format!("t{}s{}.wav", blow.object, blow.striker));
+        let mut writer = hound::WavWriter::create(path, spec).expect("a file");
+        for x in &blow.samples[..26_000] {
+            writer.write_sample((x * STEP).round() as i32).expect("a sample");
+        }
+        writer.finalize().expect("a whole file");
+    }
+    folder
+}
+
+fn separate(folder: &Path, labels: &str, words: &str) -> Output {
+    std::fs::write(folder.join("labels.csv"), labels).expect("labels");
+    let words = format!("separate {words} --labels labels.csv");
+    let done = Command::new(env!("CARGO_BIN_EXE_malleus")).current_dir(folder).args(words.split_whitespace()).output();
+    done.expect("the program runs")
+}
+
+fn floats(path: &Path) -> Vec<f64> {
+    let mut reader = hound::WavReader::open(path).expect("a stem");
+    reader.samples::<f32>().map(|x| f64::from(x.expect("a sample"))).collect()
+}
+
+const LABELS: &str = "recording,object,striker\nt0s0,mug,fork\nt0s1,mug,spoon\nt1s0.wav,bowl,fork\nt1s1,bowl,spoon\n";
+const ALL: &str = "t0s0.wav t0s1.wav t1s0.wav t1s1.wav";
+
+#[test]
+fn stems_add_up_to_the_recording_and_known_tables_are_kept() {
+    let folder = recorded();
+    let at = |name: &str| folder.path().join(name);
+    let done = separate(folder.path(), LABELS, &format!("{ALL} -o out --json --materials ceramic,steel"));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let rows: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    assert_eq!(rows.as_array().expect("rows").len(), 4);
+    for row in rows.as_array().expect("rows") {
+        assert!(row["left_db"].as_f64().expect("a number") < -15.0, "{}", row["left_db"]);
+        for part in ["object", "striker"] {
+            let modulus = &row[part]["young_modulus_pa"];
+            let [low, estimate, high] = ["low", "estimate", "high"].map(|key| modulus[key].as_f64().expect("a number"));
+            assert!(low < estimate && estimate < high, "{modulus}");
+            assert!(["ceramic", "steel"].contains(&row[part]["material"]["name"].as_str().expect("a name")));
+        }
+    }
+    for name in ["t0s0", "t1s1"] {
+        let mut reader = hound::WavReader::open(at(&format!("{name}.wav"))).expect("a recording");
+        let recording: Vec<f64> = reader.samples::<i32>().map(|x| f64::from(x.expect("a sample")) / STEP).collect();
+        let stems = ["object", "striker", "rest"].map(|stem| floats(&at(&format!("out/{name}-{stem}.wav"))));
+        let off = recording.iter().enumerate().map(|(n, x)| (x - stems[0][n] - stems[1][n] - stems[2][n]).abs());
+        let worst = off.fold(0.0, f64::max);
+        assert!(stems.iter().all(|stem| stem.len() == recording.len()) && worst < 6e-8, "{name}: {worst}");
+    }
+    let done = separate(
+        folder.path(),
+        LABELS,
+        &format!("{ALL} -o again --object out/mug-object.toml --striker fork=out/fork-striker.toml"),
+    );
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    for table in ["mug-object", "fork-striker"] {
+        let frequencies = |folder: &str| {
+            let text = std::fs::read_to_string(at(&format!("{folder}/{table}.toml"))).expect("a table");
+            text.lines()
+                .filter_map(|line| line.trim().strip_prefix("{ frequency_hz = ")?.split(',').next().map(str::to_owned))
+                .collect::<Vec<String>>()
+        };
+        assert!(!frequencies("out").is_empty());
+        assert_eq!(frequencies("out"), frequencies("again"));
+    }
+}
+
+#[test]
+fn wrong_labels_and_files_are_refused_and_nothing_is_written() {
+    let folder = recorded();
+    std::fs::write(folder.path().join("noise.wav"), b"RIFF of nothing").expect("a file");
+    let one_pair = "recording,object,striker\nt0s0,mug,fork\n";
+    for (labels, words, expected) in [
+        (LABELS, "t0s0.wav t0s1.wav t1s0.wav", "line 5 names \"t1s1\", which is none of the recordings given"),
+        (one_pair, "t0s0.wav t0s1.wav", "t0s1.wav: it has no label"),
+        (one_pair, "t0s0.wav", "one thing and one striker"),
+        (&format!("{one_pair}noise,bowl,fork\n"), "t0s0.wav noise.wav", "noise.wav: not audio"),
+        (&format!("{one_pair}gone,bowl,fork\n"), "t0s0.wav gone.wav", "gone.wav: the file cannot be read"),
+        (LABELS, &format!("{ALL} --object cup=labels.csv"), "--object \"cup\": no recording has this object"),
+        (LABELS, &format!("{ALL} --materials granite"), "there is no material \"granite\""),
+    ] {
+        let done = separate(folder.path(), labels, &format!("{words} -o out"));
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(1), "{said}");
+        assert!(said.contains(expected) && said.lines().count() == 1, "{said}");
+        assert!(!folder.path().join("out").exists(), "{expected}");
+    }
+}
