@@ -97,10 +97,10 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
     };
     let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
     model.drop_modes(&dropped);
-    let mut spreads = deviations.held_peaks;
-    if let Some(held) = spreads.get_mut(fitted.model.strongest()) {
-        // Its peak is the unit of force.
-        *held = 0.0;
+    // With positions the scale of all peaks is uncertain, but not that a strike stands out.
+    let mut spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
+    if fitted.model.places() > 1 {
+        spreads = deviations.held_peaks;
     }
     let strikes = &fitted.model.strikes;
     let is_near = |a: usize, b: usize| {
