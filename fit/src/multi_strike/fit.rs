@@ -42,8 +42,8 @@ const PRUNINGS: usize = 6;
 const MOST_STALLED: usize = 2;
 /// Share of the recording's energy that is left from which nothing is explained: -6 dB.
 const UNEXPLAINED: f64 = 0.25;
-/// Share of the energy that the first fit leaves from which no completion helps: -3 dB.
-const UNEXPLAINED_AT_FIRST: f64 = 0.5;
+/// Share of the energy that the first fit leaves from which no completion helps: -0.5 dB.
+const UNEXPLAINED_AT_FIRST: f64 = 0.89;
 /// Number of rises of the sound from which on too few strikes are not for want of strikes.
 const MANY_RISES: usize = 5;
 /// Maximum number of strikes a second, in the mean of a recording.
