@@ -1,9 +1,10 @@
 //! Material of a sounding object, and its Young's modulus, from the damping of its modes.
 //!
 //! A material's law tells the decay of a mode at a frequency up to a factor of the object's own:
-//! the loss of its support, of the air and of its joints. The factor is unknown and integrated over. So
-//! the level of the decays tells something, and how they grow with frequency tells more. The law is
-//! known in two ways: as a published loss factor, and as measured on things of that kind.
+//! the loss of its support, of the air and of its joints. The factor is unknown and integrated
+//! over. So the level of the decays tells something, and how they grow with frequency tells more.
+//! The law is known in two ways: as a published loss factor, and as measured on things of that
+//! kind.
 //!
 //! Sound alone does not know an object's size, so that Young's modulus is that of the materials
 //! that are likely: a guess with a range. [`solid`] reads it off a bar or a disc of known size.

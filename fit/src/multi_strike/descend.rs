@@ -193,8 +193,8 @@ pub(crate) struct Deviations {
     pub(crate) strikes: Vec<DMatrix<f64>>,
     /// Standard deviation of ln m of each strike with modes and gains held.
     ///
-    /// Peaks of all strikes together may be uncertain, as they are up to a function of the position,
-    /// while each strike stands out.
+    /// Peaks of all strikes together may be uncertain, as they are up to a function of the
+    /// position, while each strike stands out.
     pub(crate) held_peaks: Vec<f64>,
 }
 
