@@ -9,13 +9,17 @@
 //! Sound alone does not know an object's size, so that Young's modulus is that of the materials
 //! that are likely: a guess with a range. [`solid`] reads it off a bar or a disc of known size.
 
+mod interval;
 mod laws;
+mod ringing;
 pub mod solid;
 
 use serde::Serialize;
 
+pub use interval::Interval;
 pub use laws::{Kind, Material};
 use laws::{Law, MATERIALS};
+pub use ringing::RingingMode;
 
 use crate::strike::Fit;
 
@@ -28,29 +32,7 @@ pub struct Guess {
     pub confidence: f64,
 }
 
-/// A mode as far as it tells of a material.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RingingMode {
-    /// Frequency in Hz.
-    pub frequency_hz: f64,
-    /// Decay rate in 1/s.
-    pub decay_per_s: f64,
-    /// Energy of the mode's sound relative to the strongest mode's, in dB.
-    pub level_db: f64,
-}
-
-/// An estimate with its range.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Interval {
-    /// Most likely value.
-    pub estimate: f64,
-    /// Value below which it lies with a probability of 5 %.
-    pub low: f64,
-    /// Value above which it lies with a probability of 5 %.
-    pub high: f64,
-}
-
-/// What the modes of an object tell of its material.
+/// Material of an object, as its modes tell it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identified {
     /// The most likely material.

@@ -7,7 +7,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-use super::{Interval, RingingMode};
+use super::interval::Interval;
+use super::ringing::RingingMode;
 
 /// A solid of uniform thickness, free all round.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +43,7 @@ const BAR_MODES: usize = 8;
 const FIRST: usize = 3;
 /// Largest distance of a recorded mode from the solid's, in natural logarithms: 2 %.
 const NEAR: f64 = 0.02;
-/// What a mode of the solid costs that is not recorded, in units of the loudest mode's weight.
+/// Cost of a mode of the solid that is not recorded, in units of the loudest mode's weight.
 const MISSING: f64 = 0.25;
 /// Least level in dB of a mode that counts.
 const LEAST_LEVEL_DB: f64 = -45.0;

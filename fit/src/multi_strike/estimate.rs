@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use serde::Serialize;
 
-use super::Layout;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
 use super::fit::{fit, is_clipped};
+use super::layout::Layout;
 use super::spline::Weights;
 use crate::modes::Settings;
 

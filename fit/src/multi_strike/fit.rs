@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::Layout;
 use super::alignment::{aligned, alternatives};
 use super::changes::changes;
 use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
+use super::layout::Layout;
 use super::model::Model;
 use super::places::starts_at_places;
 use super::rises::rises;

@@ -26,6 +26,7 @@ mod fit;
 mod free;
 #[cfg(test)]
 mod hard_cases;
+mod layout;
 mod model;
 mod places;
 mod ringing;
@@ -43,23 +44,6 @@ mod whitening;
 
 pub use error::StrikesError;
 pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
+pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;
-
-/// What differs from strike to strike.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
-    /// Number of gains of each mode along the object, 1 to 16; 1 for strikes at one place.
-    ///
-    /// The gains are the coefficients of a cubic spline, so that at least 4 are needed for gains
-    /// that curve; each half wave along the object needs about three.
-    pub positions: usize,
-    /// Number of strikers, 1 to 4.
-    pub strikers: usize,
-}
-
-impl Default for Layout {
-    fn default() -> Self {
-        Self { positions: 1, strikers: 1 }
-    }
-}

@@ -13,12 +13,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::contact::{Contact, strength};
+use super::layout::Layout;
 use super::model::{Model, Strike};
+use super::seriation;
 use super::spline::Weights;
 use super::start::{Change, grid};
 use super::strikers::assigned;
 use super::timing::{Turned, timed, turned};
-use super::{Layout, seriation};
 use crate::modes::Pole;
 
 type C64 = Complex<f64>;
@@ -231,7 +232,7 @@ impl Search<'_> {
         (0..self.poles.len()).map(of_mode).collect()
     }
 
-    /// What a contact leaves of a strike's amplitudes, with the peak that leaves least.
+    /// Remainder of a strike's amplitudes behind a contact, with the peak that leaves least.
     fn misfit(
         &self,
         index: usize,

@@ -290,7 +290,7 @@ fn on_grid(change: &Change, gains: &[C64], spreads: &[f64], exponents: &[C64], g
     best.1
 }
 
-/// What a contact leaves of a change, in units of its variances.
+/// Remainder of a change behind a contact, in units of its variances.
 fn misfit(contact: &Contact, change: &Change, gains: &[C64], exponents: &[C64]) -> f64 {
     (change.amplitudes.iter().zip(&change.variances).zip(gains).zip(exponents))
         .map(|(((a, variance), gain), s)| (a - gain * shape(contact, *s)).norm_sqr() / variance)

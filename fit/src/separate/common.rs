@@ -210,7 +210,7 @@ impl Search<'_> {
         }
     }
 
-    /// What a mode explains, as a share of what it has to; below 1 it goes.
+    /// Energy that a mode explains, as a share of what it has to; below 1 it goes.
     fn excess(&self, owned: &Owned, model: &Model, noise: &[NoiseFloor], index: usize) -> f64 {
         let (pole, part) = (owned.poles[index], owned.part[index]);
         let (lowest, highest) = self.range.angular;

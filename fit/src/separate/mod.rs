@@ -11,33 +11,22 @@
 //! are found by maximum likelihood, and gains follow in closed form.
 
 mod blows;
+mod clip;
 mod common;
 mod contact;
 mod error;
 mod parts;
+mod separation;
 mod stems;
 pub mod synthetic;
 
 use rayon::prelude::*;
-use serde::Serialize;
 
-use crate::material::RingingMode;
 use crate::modes::{Pole, Settings};
+pub use clip::Clip;
 pub use error::SeparateError;
 use parts::Parts;
-
-/// A recording, and who struck what in it.
-#[derive(Clone, Copy, Debug)]
-pub struct Clip<'a> {
-    /// Samples, full scale 1.
-    pub samples: &'a [f64],
-    /// Sample rate in Hz.
-    pub rate_hz: f64,
-    /// Index of the thing.
-    pub object: usize,
-    /// Index of the striker.
-    pub striker: usize,
-}
+pub use separation::{Blow, PartMode, STEPS, Separation, Stems};
 
 /// Frequency in Hz and decay in 1/s of each known mode of a part.
 pub type KnownModes = Vec<(f64, f64)>;
@@ -49,64 +38,6 @@ pub struct Known {
     pub objects: Vec<Option<KnownModes>>,
     /// Modes of strikers, by their index; `None` if a striker's modes are searched for.
     pub strikers: Vec<Option<KnownModes>>,
-}
-
-/// A mode of a thing or a striker.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PartMode {
-    /// Frequency in Hz.
-    pub frequency_hz: f64,
-    /// Decay rate in 1/s.
-    pub decay_per_s: f64,
-    /// Gains `[sine, cosine]` in output per newton-second, as tables define them, in the part's
-    /// loudest blow, the force of which has a peak of 1.
-    pub gain: [f64; 2],
-    /// Energy heard in the part's recordings, relative to the part's strongest mode, in dB.
-    pub level_db: f64,
-}
-
-impl PartMode {
-    /// The mode as far as it tells of a material.
-    pub fn ringing(&self) -> RingingMode {
-        RingingMode { frequency_hz: self.frequency_hz, decay_per_s: self.decay_per_s, level_db: self.level_db }
-    }
-}
-
-/// A blow of a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Blow {
-    /// Onset of the contact in seconds.
-    pub at_s: f64,
-    /// Contact time in seconds.
-    pub contact_time_s: f64,
-    /// Level in dB relative to the recording's loudest blow.
-    pub level_db: f64,
-}
-
-/// The sounds of which a recording is the sum, and its blows.
-#[derive(Clone, Debug)]
-pub struct Stems {
-    /// Sound of the thing.
-    pub object: Vec<f64>,
-    /// Sound of the striker, with its acceleration sound.
-    pub striker: Vec<f64>,
-    /// Rest: the recording without both.
-    pub rest: Vec<f64>,
-    /// Energy of the rest relative to the recording's, in dB.
-    pub left_db: f64,
-    /// Blows in order of time.
-    pub blows: Vec<Blow>,
-}
-
-/// What a separation finds.
-#[derive(Clone, Debug)]
-pub struct Separation {
-    /// Modes of each thing in order of frequency.
-    pub objects: Vec<Vec<PartMode>>,
-    /// Modes of each striker in order of frequency.
-    pub strikers: Vec<Vec<PartMode>>,
-    /// Stems of each recording.
-    pub stems: Vec<Stems>,
 }
 
 /// Separates recordings into the sounds of things and of strikers.
@@ -150,8 +81,6 @@ pub fn separate(
     stems::separated(clips, &parts, &blows, &owned, report).ok_or(SeparateError::Unsolved)
 }
 
-/// Number of steps of which a separation reports how many are done.
-pub const STEPS: usize = 40;
 /// Peak of a recording below which it is silent: -120 dBFS.
 const LEAST_PEAK: f64 = 1e-6;
 

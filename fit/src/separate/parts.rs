@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::Clip;
+use super::clip::Clip;
 
 /// Things and strikers of a set of recordings. Things come first, strikers after them.
 #[derive(Clone, Debug)]

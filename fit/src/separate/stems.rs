@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::clip::Clip;
 use super::common::{Owned, passes};
 use super::contact::{Contact, Expected, find, gains};
 use super::parts::Parts;
-use super::{Blow, Clip, PartMode, STEPS, Separation, Stems};
+use super::separation::{Blow, PartMode, STEPS, Separation, Stems};
 use crate::modes::{Basis, Gains, Pole, Stretch};
 
 /// Contact and gains of one blow.

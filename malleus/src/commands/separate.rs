@@ -20,7 +20,7 @@ use super::separate_labels::{self as labels, Labels};
 use super::separate_tables::{self as tables, Kind};
 use crate::arguments::SeparateArguments;
 
-/// What is known of a thing or a striker after the separation.
+/// Thing or striker, as it is known after the separation.
 #[derive(Clone, Debug, Serialize)]
 struct PartReport {
     /// Name in the labels.

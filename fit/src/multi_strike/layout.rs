@@ -1,0 +1,19 @@
+//! Numbers of positions and strikers of a recording.
+
+/// Numbers of places and strikers in which strikes differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of gains of each mode along the object, 1 to 16; 1 for strikes at one place.
+    ///
+    /// The gains are the coefficients of a cubic spline, so that at least 4 are needed for gains
+    /// that curve; each half wave along the object needs about three.
+    pub positions: usize,
+    /// Number of strikers, 1 to 4.
+    pub strikers: usize,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self { positions: 1, strikers: 1 }
+    }
+}
