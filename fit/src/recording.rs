@@ -249,8 +249,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
     };
     let sounding = sounding(&fit);
-    let ringing = material::ringing(&fit);
-    let identified = material::identify(&ringing, material::all_if_none(&options.materials));
+    let (material, young_modulus_pa) = material::guess(&material::ringing(&fit), &options.materials, options.solid);
     let left: Vec<f64> = heard.iter().zip(&rendering).map(|(heard, given)| heard - given).collect();
     let report = Report {
         input: path.to_owned(),
@@ -270,11 +269,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         modes: fit.modes.len(),
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
-        material: identified.as_ref().map(|identified| identified.material),
-        young_modulus_pa: match options.solid {
-            Some(solid) => material::solid::young_modulus_pa(&ringing, solid),
-            None => identified.map(|identified| identified.young_modulus_pa),
-        },
+        material,
+        young_modulus_pa,
         lsd_db: modes_alone.lsd_db,
         lsd_reference_db: stage.distances(&by_reference).lsd_db,
         lsd_with_residual_db: with_residual.lsd_db,

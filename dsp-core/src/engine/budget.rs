@@ -312,7 +312,7 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards: with them the busiest half of the BlackPill
-/// ends at 88 % of its time (`cargo test -p virtual-board --test boards load`).
+/// ends at 87 % of its time (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
 /// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's

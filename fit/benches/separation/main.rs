@@ -2,7 +2,7 @@
 //! non-negative matrix factorization told the same labels.
 //!
 //! `cargo bench -p fit --bench separation` prints two sets; `-- SETS FIRST` chooses the number of
-//! sets and the first seed.
+//! sets and the first seed, and `-- 0` prints the robot's clips alone.
 
 mod nmf;
 mod robot;
@@ -14,7 +14,8 @@ use fit::score::quantile;
 use fit::separate::synthetic::{Blow, RATE_HZ, set};
 use fit::separate::{Clip, Known, separate};
 
-/// Scale-invariant ratio of signal to distortion in dB (Le Roux et al. 2019), over the whole sound.
+/// SI-SDR in dB: energy of the true sound at its best gain over that of the error (Le Roux et al.
+/// 2019), for the whole recording.
 fn si_sdr_db(estimate: &[f64], truth: &[f64]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let scale = dot(estimate, truth) / dot(truth, truth);
@@ -63,10 +64,12 @@ fn main() {
             theirs[1].push(si_sdr_db(&stems[1], &blow.of_striker));
         }
     }
-    print("thing", &ours[0]);
-    print("striker", &ours[1]);
-    print("thing, NMF", &theirs[0]);
-    print("striker, NMF", &theirs[1]);
-    println!("left of the recordings   median {:6.2} dB", quantile(&left, 0.5));
+    if sets > 0 {
+        print("thing", &ours[0]);
+        print("striker", &ours[1]);
+        print("thing, NMF", &theirs[0]);
+        print("striker, NMF", &theirs[1]);
+        println!("left of the recordings   median {:6.2} dB", quantile(&left, 0.5));
+    }
     robot::print();
 }

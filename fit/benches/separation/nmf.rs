@@ -1,8 +1,9 @@
 //! Non-negative matrix factorization told the same labels, to compare the separation with.
 //!
-//! Every thing and every striker has spectral templates of its own, and a recording activates those
-//! of its two labels and of the noise. Multiplicative updates lower the Kullback-Leibler divergence
-//! (Lee and Seung 2001). The stems are the recording through the share of each part (Wiener masks).
+//! Every thing, every striker and the noise have spectral templates. The spectrogram of a recording
+//! is modelled by the templates of its thing, its striker and the noise, with gains in each frame.
+//! Multiplicative updates lower the Kullback-Leibler divergence (Lee and Seung 2001). A stem is the
+//! recording, each bin times the part's share of the modelled power (Wiener mask).
 
 use fit::separate::synthetic::Blow;
 use fourier::Complex;

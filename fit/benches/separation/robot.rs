@@ -13,6 +13,8 @@ const STRIKERS: [&str; 4] = ["ceramic-chopstick", "polycarbonate-spoon", "steel-
 const THINGS: [&str; 4] = ["ceramic-mug", "polycarbonate-cup", "steel-bowl", "wood-holder"];
 
 /// Materials of strikers and of things, in the order of the names, with Young's moduli in pascals.
+///
+/// The moduli are those that the library has for these names: the clips come without measured ones.
 const MATERIALS: [(&str, f64); 4] =
     [("ceramic", 7.2e10), ("polycarbonate", 2.4e9), ("steel", 2.0e11), ("wood", 1.1e10)];
 
@@ -36,7 +38,8 @@ pub(crate) fn print() {
     print_materials("strikers", &STRIKERS, &separation.strikers);
 }
 
-/// Prints materials, and the errors of Young's modulus. Each part is in as many clips as any other.
+/// Prints the material of each part and the errors of Young's modulus. All parts have equally many
+/// clips, so that a share of parts is one of clips.
 fn print_materials(what: &str, names: &[&str], parts: &[Vec<PartMode>]) {
     let among = material::named(&MATERIALS.map(|(name, _)| name.to_owned())).expect("the materials are known");
     let (mut right, mut errors, mut logs) = (0, 0.0, 0.0);

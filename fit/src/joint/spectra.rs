@@ -180,7 +180,7 @@ impl Spectra {
         let amplitude = |(index, place): (usize, &Place)| {
             let [begin, begin_slope] = begins[index];
             let [end, end_slope] = match *place {
-                // Where another frame begins, its state is known.
+                // A frame ends in the state in which the frame behind it begins, if there is one.
                 Place::Ringing(_, start) => match self.next[index] {
                     Some(next) => begins[next],
                     None => response.ringing(since(start) + self.size as f64),

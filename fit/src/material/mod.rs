@@ -20,6 +20,7 @@ pub use interval::Interval;
 pub use laws::{Kind, Material};
 use laws::{Law, MATERIALS};
 pub use ringing::RingingMode;
+use solid::Solid;
 
 use crate::strike::Fit;
 
@@ -66,17 +67,25 @@ pub fn named(names: &[String]) -> Result<Vec<Material>, UnknownMaterial> {
     names.iter().map(of_name).collect()
 }
 
-/// Materials to choose from: all that are known if none are given.
-pub fn all_if_none(materials: &[Material]) -> &[Material] {
-    if materials.is_empty() { &MATERIALS } else { materials }
+/// The likeliest material of an object, and its Young's modulus in pascals: that of a solid whose
+/// size is known, else of the likely materials. `among` are those to choose from; if there are
+/// none, all that are known.
+pub fn guess(modes: &[RingingMode], among: &[Material], solid: Option<Solid>) -> (Option<Guess>, Option<Interval>) {
+    let identified = identify(modes, if among.is_empty() { &MATERIALS } else { among });
+    let modulus = match solid {
+        Some(solid) => solid::young_modulus_pa(modes, solid),
+        None => identified.as_ref().map(|identified| identified.young_modulus_pa),
+    };
+    (identified.map(|identified| identified.material), modulus)
 }
 
 /// Level in dB below the strongest mode from which a mode does not count.
 const LEAST_LEVEL_DB: f64 = -30.0;
 /// Level in dB at which a mode's weight is a tenth of the strongest one's.
 const TENTH_DB: f64 = 40.0;
-/// Scale of ln decay about an object's law; its density is Student's, with four degrees of freedom.
+/// Scale by which ln decay scatters about an object's law.
 const SCATTER: f64 = 1.0;
+/// Degrees of freedom of Student's distribution, which that scatter has.
 const FREEDOM: f64 = 4.0;
 /// Standard deviation of the logarithm of an object's own factor.
 const OWN_FACTOR: f64 = 0.8;
@@ -149,14 +158,9 @@ fn log_likelihood(modes: &[(f64, &RingingMode)], law: &Law) -> f64 {
     log_sum(&logs)
 }
 
-/// Probability that a normal number lies below a bound (Abramowitz and Stegun 7.1.26; error below
-/// 2e-7).
+/// Probability that a normal number lies below a bound.
 fn normal_below(bound: f64) -> f64 {
-    let x = bound.abs() / std::f64::consts::SQRT_2;
-    let t = 1.0 / (1.0 + 0.327_591_1 * x);
-    let series = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
-    let tail = 0.5 * series.iter().rev().fold(0.0, |sum, factor| (sum + factor) * t) * (-x * x).exp();
-    if bound < 0.0 { tail } else { 1.0 - tail }
+    0.5 * libm::erfc(-bound / std::f64::consts::SQRT_2)
 }
 
 /// Logarithm of the sum of numbers whose logarithms are given.
@@ -191,16 +195,9 @@ fn modulus(posterior: &[(Guess, &Material)]) -> Interval {
 /// Modes of a fit as far as they tell of a material, with their levels in the loudest strike.
 pub fn ringing(fit: &Fit) -> Vec<RingingMode> {
     let place = if fit.measured { 0 } else { fit.loudest };
-    let energy = |mode: &crate::strike::Mode| {
-        mode.gains.get(place).map_or(0.0, |[sine, cosine]| sine * sine + cosine * cosine) / mode.decay_per_s
-    };
-    let most = fit.modes.iter().map(energy).fold(f64::MIN_POSITIVE, f64::max);
-    let modes = fit.modes.iter().map(|mode| RingingMode {
-        frequency_hz: mode.frequency_hz,
-        decay_per_s: mode.decay_per_s,
-        level_db: 10.0 * (energy(mode) / most).max(1e-20).log10(),
-    });
-    modes.collect()
+    let squared =
+        |mode: &crate::strike::Mode| mode.gains.get(place).map_or(0.0, |[sine, cosine]| sine * sine + cosine * cosine);
+    RingingMode::relative(fit.modes.iter().map(|mode| (mode.frequency_hz, mode.decay_per_s, squared(mode))))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 //!
 //! A bar that is free at both ends bends at `f_n = b_n h/(2πL²) sqrt(E/12ρ)`, a free disc at
 //! `f_n = λ_n² h/(2πR²) sqrt(E/(12 ρ (1 - ν²)))`. The numbers b_n and λ_n² do not depend on E, so
-//! that each mode that is known to be the n-th tells E. Which one it is, all of them together tell:
-//! E is the one at which the loudest modes stand where the solid's are.
+//! that a mode tells E once its number n is known. The numbers are those, and E is the value, with
+//! which the loudest recorded modes lie nearest to modes of the solid.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 

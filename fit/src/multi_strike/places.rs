@@ -350,8 +350,7 @@ impl Search<'_> {
 
 /// Value of a real spline at a position.
 fn value(gains: &[f64], position: f64) -> f64 {
-    let weights = Weights::at(position, gains.len());
-    weights.values().iter().zip(&gains[weights.first..]).map(|(weight, gain)| weight * gain).sum()
+    Weights::at(position, gains.len()).sum(gains)
 }
 
 /// Stretches positions to the whole object.

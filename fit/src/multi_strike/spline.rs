@@ -4,6 +4,9 @@
 //! derivatives, so that Gauss-Newton steps pass their knots. Straight lines between as many places
 //! leave 10 % of a gain that curves by one wave along seven intervals, cubic ones 1 %.
 
+use std::iter::Sum;
+use std::ops::Mul;
+
 use nalgebra::Complex;
 
 /// Highest degree.
@@ -47,8 +50,8 @@ impl Weights {
     }
 
     /// Value of the spline.
-    pub(crate) fn sum(&self, coefficients: &[Complex<f64>]) -> Complex<f64> {
-        self.values().iter().zip(&coefficients[self.first..]).map(|(weight, gain)| gain * weight).sum()
+    pub(crate) fn sum<T: Copy + Mul<f64, Output = T> + Sum>(&self, coefficients: &[T]) -> T {
+        self.values().iter().zip(&coefficients[self.first..]).map(|(weight, gain)| *gain * *weight).sum()
     }
 
     /// Derivative of the spline by the position.

@@ -90,7 +90,7 @@ pub(crate) enum CommandError {
     #[error("--events writes the strikes of one recording, and {inputs} are given: fit that one alone")]
     OneEvents { inputs: usize },
     #[error(
-        "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --log and --limit"
+        "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --budget-mhz, --log and --limit"
     )]
     PartsOnBoard { file: String },
     #[error("a part of the kit cannot be played alone: {error}")]

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::audio;
-use ::fit::material::solid::young_modulus_pa;
 use ::fit::material::{self, Guess, Interval, RingingMode};
 use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
@@ -62,17 +61,13 @@ pub(super) fn fit_and_write(
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     notes.extend(flagged(&estimate));
     let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
-    let ringing = ringing(&estimate);
-    let identified = material::identify(&ringing, &materials);
-    let young_modulus_pa = match arguments.bar.or(arguments.disc) {
-        Some(solid) => young_modulus_pa(&ringing, solid),
-        None => identified.as_ref().map(|identified| identified.young_modulus_pa),
-    };
+    let solid = arguments.bar.or(arguments.disc);
+    let (material, young_modulus_pa) = material::guess(&ringing(&estimate), &materials, solid);
     Ok(StrikesReport {
         notes,
         events: events.to_owned(),
         estimate,
-        material: identified.map(|identified| identified.material),
+        material,
         young_modulus_pa,
         seconds: start.elapsed().as_secs_f64(),
     })
@@ -80,16 +75,9 @@ pub(super) fn fit_and_write(
 
 /// Modes as far as they tell of a material, with their levels under an impulse.
 fn ringing(estimate: &Estimate) -> Vec<RingingMode> {
-    let energy = |mode: &multi_strike::ModeEstimate| {
-        (mode.gain[0] * mode.gain[0] + mode.gain[1] * mode.gain[1]) / mode.decay_per_s
-    };
-    let most = estimate.modes.iter().map(energy).fold(f64::MIN_POSITIVE, f64::max);
-    let modes = estimate.modes.iter().map(|mode| RingingMode {
-        frequency_hz: mode.frequency_hz,
-        decay_per_s: mode.decay_per_s,
-        level_db: 10.0 * (energy(mode) / most).max(1e-20).log10(),
-    });
-    modes.collect()
+    let squared = |gain: [f64; 2]| gain[0] * gain[0] + gain[1] * gain[1];
+    let modes = estimate.modes.iter();
+    RingingMode::relative(modes.map(|mode| (mode.frequency_hz, mode.decay_per_s, squared(mode.gain))))
 }
 
 fn provenance(input: &Path, estimate: &Estimate, arguments: &FitArguments) -> Provenance {

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     let mut work = Work::default();
     let budget_cycles = budget_cycles(arguments, &performance, rate);
     let (frames, level) = if !parts.is_empty() {
-        play_parts(arguments, &performance, &parts, rate)?
+        play_parts(arguments, &loaded.kit, &performance, &parts, rate)?
     } else if arguments.reference {
         let left_out = reference::leaves_out(&loaded.kit);
         if !left_out.is_empty() {
@@ -181,7 +181,8 @@ fn read_performance(
     }
     let direct = own_force::direct(&list.strikes, kit, rate);
     let parts = own_force::parts(&list.strikes, kit, rate);
-    if !parts.is_empty() && (arguments.board.is_some() || arguments.log.is_some() || arguments.limit.is_some()) {
+    let is_limited = arguments.board.is_some() || arguments.budget_mhz.is_some() || arguments.limit.is_some();
+    if !parts.is_empty() && (is_limited || arguments.log.is_some()) {
         return Err(CommandError::PartsOnBoard { file: path.display().to_string() });
     }
     Ok((rate, Performance::new(list.events, direct, kit, rate, arguments.tail), parts))
@@ -192,6 +193,7 @@ fn read_performance(
 /// Strikes by a striker's law are played on the kit itself; all other events act on every part.
 fn play_parts(
     arguments: &PlayArguments,
+    kit: &kit::Kit,
     performance: &Performance,
     parts: &[Part],
     rate: SampleRate,
@@ -200,8 +202,7 @@ fn play_parts(
     let others: Vec<Event> =
         performance.events.iter().filter(|event| event.action != Action::Strike).copied().collect();
     let is_struck = others.len() < performance.events.len();
-    let kit = kit::open(&arguments.kit)?.kit;
-    let by_law = is_struck.then(|| (kit, Performance { direct: None, ..performance.clone() }));
+    let by_law = is_struck.then(|| (kit.clone(), Performance { direct: None, ..performance.clone() }));
     let of_part = |part: &Part| {
         let mut kit = part.kit.clone();
         // The kit itself sounds its background.

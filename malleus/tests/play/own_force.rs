@@ -4,6 +4,19 @@ use std::path::Path;
 
 use crate::folder::{Folder, samples};
 
+/// Plays `law.csv` and `own.csv` on a kit. Returns the largest sample of the first, and the largest
+/// difference of both.
+fn law_and_own(folder: &Folder, kit: &str, option: &str) -> (i32, i32) {
+    let [law, own] = ["law", "own"].map(|name| {
+        let words = format!("play --kit {kit} --strikes {name}.csv -o {name}.wav --tail 0.3{option}");
+        let output = folder.malleus(&words);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        samples(&folder.path(&format!("{name}.wav")))
+    });
+    let largest = law.iter().map(|x| x.abs()).max().unwrap();
+    (largest, law.iter().zip(&own).map(|(a, b)| (a - b).abs()).max().unwrap())
+}
+
 #[test]
 fn a_strike_with_its_laws_own_force_sounds_as_the_law() {
     let folder = Folder::new();
@@ -13,17 +26,9 @@ fn a_strike_with_its_laws_own_force_sounds_as_the_law() {
         "own.csv",
         b"time_s,pad,velocity,peak_force,contact_time_s\n0.01001,bar,0.3,1,0.0005\n0.2,bar,1,,0.0005\n",
     );
-    let played = |name: &str, option: &str| {
-        let words = format!("play --kit kit.toml --strikes {name}.csv -o {name}.wav --tail 0.3{option}");
-        let output = folder.malleus(&words);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        samples(&folder.path(&format!("{name}.wav")))
-    };
     // The instrument computes the force of a law in 32 bits: -80 dB. The reference's is exact.
     for (option, share) in [("", 10_000), (" --reference", 200_000)] {
-        let (law, own) = (played("law", option), played("own", option));
-        let largest = law.iter().map(|x| x.abs()).max().unwrap();
-        let worst = law.iter().zip(&own).map(|(a, b)| (a - b).abs()).max().unwrap();
+        let (largest, worst) = law_and_own(&folder, "kit.toml", option);
         assert!(largest > 1 << 18 && worst < largest / share + 2, "{option}: {worst} of {largest}");
     }
 }
@@ -64,17 +69,9 @@ fn own_forces_at_positions_and_with_strikers_sound_as_their_laws() {
     let events = |own: &str| format!("time_s,pad,velocity,position,striker,peak_force\n{}", strikes.replace("{}", own));
     folder.write("law.csv", events("").as_bytes());
     folder.write("own.csv", events("1").as_bytes());
-    let played = |name: &str, option: &str| {
-        let words = format!("play --kit two.toml --strikes {name}.csv -o {name}.wav --tail 0.3{option}");
-        let output = folder.malleus(&words);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        samples(&folder.path(&format!("{name}.wav")))
-    };
     // The instrument ends modes at -110 dBFS, which are 27 steps of 24 bits.
     for (option, share) in [("", 10_000), (" --reference", 200_000)] {
-        let (law, own) = (played("law", option), played("own", option));
-        let largest = law.iter().map(|x| x.abs()).max().unwrap();
-        let worst = law.iter().zip(&own).map(|(a, b)| (a - b).abs()).max().unwrap();
+        let (largest, worst) = law_and_own(&folder, "two.toml", option);
         assert!(largest > 1 << 18, "{option}: {largest}");
         assert!(worst < largest / share + 4, "{option}: {worst} of {largest}");
     }
