@@ -28,6 +28,12 @@ const OVER_FORCE_NOISE: f64 = 10.0;
 const BOUNCE_S: f64 = 0.06;
 /// Length in seconds up to which a recording may end before its strike has died away.
 const CUT_S: f64 = 0.12;
+/// Length in seconds up to which a recording may end soon behind the peak of a strike that swells.
+const SWELL_S: f64 = 1.0;
+/// Time in seconds before such a strike that is silent.
+const QUIET_S: f64 = 0.02;
+/// Peak of that silence relative to the strike's: -30 dB.
+const OVER_SILENCE: f64 = 0.03;
 /// Power of a strike's end relative to its beginning below which it dies away: -6 dB.
 const FADED: f64 = 0.25;
 /// Power of a strike's end relative to its beginning below which it has died away: -30 dB.
@@ -69,7 +75,9 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
         return Ok((hits, notes));
     }
     for (index, &now) in power.iter().enumerate() {
-        let before = power[index.saturating_sub(BEFORE)..index].iter().copied().fold(0.0, f64::max);
+        // A rise may lie across two frames.
+        let just_before = index.saturating_sub(BEFORE + 1)..index.saturating_sub(1).max(index.min(1));
+        let before = power[just_before].iter().copied().fold(0.0, f64::max);
         let at_start = index == 0;
         let rises = if at_start {
             now > loudest * 0.01
@@ -104,11 +112,11 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let mut hits: Vec<Hit> = Vec::new();
     for (index, &onset) in onsets.iter().enumerate() {
         let end = onsets.get(index + 1).map_or(samples.len(), |next| next.saturating_sub(size));
-        // Noise that does not decay is no strike; a sound that is cut soon after has no time to.
-        let is_cut = end == samples.len() && ((end - onset) as f64) < CUT_S * recording.rate_hz;
         if end <= onset {
             continue;
         }
+        // Noise that does not decay is no strike; a sound that is cut soon after has no time to.
+        let is_cut = end == samples.len() && ends_soon(samples, onset, recording.rate_hz);
         let left = left(onset, end);
         if left < FADED || is_cut {
             hits.push(Hit { onset, end });
@@ -195,6 +203,21 @@ pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, 
         }),
         _ => Ok(chosen.into_iter().filter(|hit| !is_short(&hit)).collect()),
     }
+}
+
+/// True if a recording ends soon behind a strike's beginning, or behind its peak, where the strike
+/// rises out of silence and swells.
+fn ends_soon(samples: &[f64], onset: usize, rate_hz: f64) -> bool {
+    let count = |seconds: f64| (seconds * rate_hz) as usize;
+    let length = samples.len() - onset;
+    if length < count(CUT_S) {
+        return true;
+    }
+    let loudest = |part: &[f64]| part.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let quiet = &samples[onset.saturating_sub(count(QUIET_S))..onset.saturating_sub(count(FRAME_S))];
+    let swell = &samples[onset..samples.len() - count(CUT_S)];
+    let is_silent_before = !quiet.is_empty() && loudest(quiet) < OVER_SILENCE * loudest(&samples[onset..]);
+    length < count(SWELL_S) && is_silent_before && loudest(swell) < loudest(&samples[onset + swell.len()..])
 }
 
 /// The strike of a recording that rises slowly, if it dies away by 12 dB.
