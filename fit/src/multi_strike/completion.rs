@@ -97,6 +97,10 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
     };
     let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
     model.drop_modes(&dropped);
+    if model.contact_times_are_held {
+        // One set of gains explains little of strikes at several places; they were heard all the same.
+        return Some(model);
+    }
     // With positions the scale of all peaks is uncertain, but not that a strike stands out.
     let mut spreads: Vec<f64> = deviations.strikes.iter().map(|covariance| covariance[(2, 2)].sqrt()).collect();
     if fitted.model.places() > 1 {

@@ -73,6 +73,9 @@ impl Fitted {
         if !self.model.strikes.is_empty() {
             arrow.hold(self.model.strike_size() * self.model.strongest() + 2);
         }
+        if self.model.contact_times_are_held {
+            (0..self.model.strikes.len()).for_each(|index| arrow.hold(self.model.strike_size() * index + 1));
+        }
         for end in self.model.ends().into_iter().flatten() {
             arrow.hold(self.model.strike_size() * end + 3);
         }
@@ -264,7 +267,8 @@ mod tests {
             striker: 0,
         });
         let owners = vec![None; 3];
-        let mut model = Model { poles, gains, owners, acceleration: 0.7, strikes: strikes.to_vec() };
+        let mut model =
+            Model { poles, gains, owners, acceleration: 0.7, contact_times_are_held: false, strikes: strikes.to_vec() };
         if strikers > 1 {
             model.strikes[1].striker = 1;
             model.push(own, Complex::new(0.6, -0.8), Some(1));

@@ -87,6 +87,9 @@ pub struct Estimate {
     pub modes: Vec<ModeEstimate>,
     /// Strikes in order of time.
     pub strikes: Vec<StrikeEstimate>,
+    /// True if contact times are those heard of each strike alone, because those of one thing
+    /// struck at one place contradict them.
+    pub contact_times_are_heard: bool,
     /// Acceleration sound in output per unit of force; 0 if the sound does not tell one.
     pub acceleration: f64,
     /// Standard deviation of the acceleration sound; 0 if there is none.
@@ -190,6 +193,7 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
         rate_hz,
         modes,
         strikes,
+        contact_times_are_heard: model.contact_times_are_held,
         acceleration: model.acceleration,
         acceleration_sd: deviations.acceleration,
         left_dbfs: 10.0 * power.max(1e-30).log10(),

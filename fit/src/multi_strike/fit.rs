@@ -8,6 +8,7 @@ use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
+use super::heard::{contradicts_sound, log_deviation, with_heard_times};
 use super::layout::Layout;
 use super::model::Model;
 use super::places::starts_at_places;
@@ -104,7 +105,13 @@ pub(crate) fn fit(
     told(0.95);
     fitted = with_acceleration(fitted, samples, &whitening);
     fitted.model.normalise();
-    let deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
+    let mut deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
+    if fitted.model.contact_times_are_held {
+        for (index, covariance) in deviations.strikes.iter_mut().enumerate() {
+            let heard = log_deviation(&fitted.model, index, samples, rate_hz).ok_or(StrikesError::Untold)?;
+            covariance[(1, 1)] = heard * heard;
+        }
+    }
     told(1.0);
     Ok(JointFit { fitted, deviations })
 }
@@ -195,27 +202,45 @@ fn begun(
         }
     };
     told(0.2);
+    let (best, is_explained) = nearest(&starts, samples, free.variance, rate_hz, &|share| told(0.2 + 0.4 * share))
+        .ok_or(StrikesError::TooFew { found: 0 })?;
+    if is_explained || layout != Layout::default() || !contradicts_sound(&best.model, samples, rate_hz) {
+        return Ok(at_best_time(best, samples, &Whitening::none()));
+    }
+    let starts: Vec<Model> = starts.iter().filter_map(|start| with_heard_times(start, samples, rate_hz)).collect();
+    let held = nearest(&starts, samples, free.variance, rate_hz, &|share| told(0.6 + 0.4 * share));
+    let best = held.map_or(best, |held| held.0);
+    Ok(at_best_time(best, samples, &Whitening::none()))
+}
+
+/// The best descent of starting models, and whether it explains all but the noise.
+fn nearest(
+    starts: &[Model],
+    samples: &[f64],
+    variance: f64,
+    rate_hz: f64,
+    told: &dyn Fn(f64),
+) -> Option<(Fitted, bool)> {
     let mut aligned: Vec<(f64, Model)> =
         starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Trials that ended in one model.
     aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
-    told(0.4);
+    told(0.5);
     let none = Whitening::none();
     let mut best: Option<Fitted> = None;
     for (index, (_, start)) in aligned.into_iter().take(DESCENDED).enumerate() {
         let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
-        let is_good = done.noise_rms().powi(2) < EXPLAINED * free.variance;
+        let is_good = done.noise_rms().powi(2) < EXPLAINED * variance;
         if best.as_ref().is_none_or(|best| done.energy < best.energy) {
             best = Some(done);
         }
-        told(0.4 + 0.15 * (index as f64 + 1.0));
+        told(0.5 + 0.15 * (index as f64 + 1.0));
         if is_good {
-            break;
+            return best.map(|best| (best, true));
         }
     }
-    let best = best.ok_or(StrikesError::TooFew { found: 0 })?;
-    Ok(at_best_time(best, samples, &none))
+    best.map(|best| (best, false))
 }
 
 /// The fit with what it lacks and without what explains too little, and the filter of its noise.

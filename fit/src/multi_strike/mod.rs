@@ -26,6 +26,7 @@ mod fit;
 mod free;
 #[cfg(test)]
 mod hard_cases;
+mod heard;
 mod layout;
 mod model;
 mod places;

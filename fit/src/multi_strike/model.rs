@@ -39,6 +39,9 @@ pub(crate) struct Model {
     pub(crate) owners: Vec<Option<usize>>,
     /// Factor from force to acceleration sound; a fit holds it while it is exactly 0.
     pub(crate) acceleration: f64,
+    /// True if contact times are those heard of each strike alone ([`super::heard`]), and no fit
+    /// changes them.
+    pub(crate) contact_times_are_held: bool,
     /// Strikes in order of the middles of their contacts.
     pub(crate) strikes: Vec<Strike>,
 }
@@ -197,6 +200,7 @@ mod tests {
             gains: vec![vec![C64::new(1.0, 0.0); 5]],
             owners: vec![None],
             acceleration: 0.0,
+            contact_times_are_held: false,
             strikes: vec![strike(100.0)],
         };
         model.push(Pole { decay: 1e-3, angular: 0.3 }, C64::new(2.0, 0.0), Some(1));

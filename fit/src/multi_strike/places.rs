@@ -343,6 +343,7 @@ impl Search<'_> {
                 .collect(),
             owners: owners.to_vec(),
             acceleration: 0.0,
+            contact_times_are_held: false,
             strikes: trials.iter().enumerate().map(strike).collect(),
         }
     }

@@ -247,6 +247,7 @@ fn from_trial(
         gains: gains.into_iter().map(|gain| vec![gain]).collect(),
         owners: vec![None; poles.len()],
         acceleration: 0.0,
+        contact_times_are_held: false,
         strikes: strikes.collect(),
     };
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));

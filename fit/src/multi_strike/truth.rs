@@ -37,6 +37,7 @@ pub(crate) fn model_of(sound: &StruckOften) -> Model {
         gains: sound.modes.iter().map(gains).collect(),
         owners: sound.modes.iter().map(|mode| mode.striker).collect(),
         acceleration: 0.0,
+        contact_times_are_held: false,
         strikes: sound.strikes.iter().map(strike).collect(),
     }
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 use fit::audio::{Recording, read};
 use fit::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
 use fit::modes::Settings as ModeSettings;
+use fit::multi_strike::{Layout, estimate};
 use fit::score::quantile;
 use fit::segment::{Hit, hits};
 use fit::stages::RecordedStrike;
@@ -276,4 +277,59 @@ fn the_default_restitution_lies_between_those_of_the_two_measured_materials() {
     let usual = f64::from(kit::Striker::DEFAULT_RESTITUTION);
     assert!((medians[0] - 0.89).abs() < 0.06 && medians[1] < 0.1, "{medians:.2?}");
     assert!(medians[1] < usual && usual < medians[0], "{medians:.2?}");
+}
+
+/// Fits all strikes of a hammer recording together, from its sound alone, and compares their forces
+/// with the measured ones.
+fn compare_joint_fit(name: &str, count: usize) {
+    let (recording, _) = recording(name);
+    let measured = measured_forces(&recording);
+    let fit = estimate(&recording.samples, recording.rate_hz, ModeSettings::default(), Layout::default(), |_| {})
+        .expect("the strikes are told");
+    assert_eq!((measured.len(), fit.strikes.len()), (count, count), "{name}: {measured:?}");
+    let (mut near, mut impulses_db) = (0, Vec::new());
+    for (strike, (at_s, width_s, impulse)) in fit.strikes.iter().zip(&measured) {
+        assert!((strike.middle_s - at_s).abs() < 0.01, "{name}: {} s and {at_s} s", strike.middle_s);
+        // A half-sine is at half its maximum or more for two thirds of its length.
+        let ratio = strike.contact_time_s * (2.0 / 3.0) / width_s;
+        near += usize::from((ratio - 1.0).abs() <= 0.2);
+        impulses_db.push(20.0 * (strike.peak_force * strike.contact_time_s / impulse).log10());
+        println!("{name}, {at_s:.3} s: {ratio:.2} of the measured width");
+    }
+    let unit_db = quantile(&impulses_db, 0.5);
+    let errors_db: Vec<f64> = impulses_db.iter().map(|impulse| (impulse - unit_db).abs()).collect();
+    println!(
+        "{name}: {near} of {count} within 20 %; impulses off by {:.1} dB in the median, at most {:.1} dB",
+        quantile(&errors_db, 0.5),
+        quantile(&errors_db, 1.0)
+    );
+    assert!(4 * near >= 3 * count, "{name}: {near} of {count}");
+}
+
+/// Times of the measured forces' peaks and their widths at half maximum, both in seconds, and their
+/// impulses in full scale and seconds.
+fn measured_forces(recording: &Recording) -> Vec<(f64, f64, f64)> {
+    let force = recording.force.as_ref().expect("channel 1 was asked for");
+    let rate_hz = recording.rate_hz;
+    let (found, _) = hits(recording).expect("it holds strikes");
+    let of_hit = |hit: &Hit| {
+        let around = hit.onset - 150..hit.onset + 80;
+        let peak = around.clone().max_by(|&a, &b| force[a].total_cmp(&force[b])).expect("not empty");
+        let impulse = force[around].iter().sum::<f64>() / rate_hz;
+        (peak as f64 / rate_hz, force_width_s(force, peak, rate_hz), impulse)
+    };
+    found.iter().map(of_hit).collect()
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn strikes_on_a_mug_are_found_together_from_sound_alone() {
+    compare_joint_fit("hammer_ceramic.wav", 8);
+}
+
+/// `cargo test -p fit --test sounds hammer -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes more than a minute; the mug's strikes are fitted always"]
+fn strikes_on_a_wooden_holder_are_found_together_from_sound_alone() {
+    compare_joint_fit("hammer_wood.wav", 10);
 }

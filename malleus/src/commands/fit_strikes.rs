@@ -96,6 +96,10 @@ fn provenance(input: &Path, estimate: &Estimate, arguments: &FitArguments) -> Pr
 /// Least level in dB over what other strikes leave from which a strike is named.
 const UNEXPLAINED_DB: f64 = 9.0;
 
+/// Note on contact times that are those of each strike's own sound.
+const CONTACT_TIMES_ARE_HEARD: &str = "the strikes are not alike but for their forces: contact times are those of each \
+     strike's own sound, about 20 % uncertain; where the thing was struck along its length, try --positions 8";
+
 /// Notes on strikes that the fit does not explain.
 fn flagged(estimate: &Estimate) -> Vec<String> {
     let times = |is_flagged: fn(&multi_strike::StrikeEstimate) -> bool| {
@@ -106,6 +110,9 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     let clipped = times(|strike| strike.is_clipped);
     if !clipped.is_empty() {
         notes.push(format!("clipped strikes, whose forces are uncertain: {} s", clipped.join(", ")));
+    }
+    if estimate.contact_times_are_heard {
+        notes.push(CONTACT_TIMES_ARE_HEARD.to_owned());
     }
     let unexplained = times(|strike| strike.left_db > UNEXPLAINED_DB && !strike.is_clipped);
     if !unexplained.is_empty() {
