@@ -89,10 +89,12 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
         }
         let onset = onset_sample(samples, index * size, size);
         match onsets.last() {
-            Some(last) if ((onset - last) as f64) < BOUNCE_S * recording.rate_hz => {
+            Some(last) if (onset.saturating_sub(*last) as f64) < BOUNCE_S * recording.rate_hz => {
                 // The frame after a rise often rises further; only a second rise after a fall is a
                 // bounce.
-                if power[last / size..index].iter().any(|power| *power > now) || onset - last > 6 * size {
+                if power[(last / size).min(index)..index].iter().any(|power| *power > now)
+                    || onset.saturating_sub(*last) > 6 * size
+                {
                     bounces.push(onset as f64 / recording.rate_hz);
                 }
             }
