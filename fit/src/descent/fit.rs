@@ -55,6 +55,13 @@ impl<'a> Descent<'a> {
         let last = &self.losses[self.losses.len().saturating_sub(AVERAGED)..];
         last.iter().sum::<f64>() / last.len().max(1) as f64
     }
+
+    /// Numbers of the model as it is, for a recording whose largest sample is `unit`.
+    fn estimate(&self, samples: &[f64], unit: f64, rate_hz: f64) -> Result<Estimate, DescentError> {
+        let rendered = self.model.render(&self.parameters, &self.model.still());
+        let acceleration = self.model.single(&self.parameters, Kind::Acceleration);
+        numbers(&rendered, acceleration, samples, unit, rate_hz)
+    }
 }
 
 /// Fits all strikes of a recording by descent, as DiffImpact does.
@@ -87,14 +94,14 @@ pub fn estimate(
     let recording: Vec<f64> = samples.iter().map(|x| x / unit).collect();
     let loss = Loss::new(&recording);
     let all = settings.all_steps().max(1) as f64;
-    let mut done = 0;
+    let mut done = 0u32;
     let mut best: Option<Descent<'_>> = None;
     for start in 0..settings.rates.len() {
         let mut descent = Descent::new(settings, start, (samples.len(), rate_hz), &loss);
         for _ in 0..settings.trial_steps() {
             descent.step();
             done += 1;
-            told(done as f64 / all);
+            told(f64::from(done) / all);
         }
         if best.as_ref().is_none_or(|best| descent.loss() < best.loss()) {
             best = Some(descent);
@@ -104,15 +111,13 @@ pub fn estimate(
     for _ in settings.trial_steps()..settings.steps {
         best.step();
         done += 1;
-        told(done as f64 / all);
+        told(f64::from(done) / all);
     }
-    let rendered = best.model.render(&best.parameters, &best.model.still());
-    let acceleration = best.model.single(&best.parameters, Kind::Acceleration);
-    told_estimate(&rendered, acceleration, samples, unit, rate_hz)
+    best.estimate(samples, unit, rate_hz)
 }
 
 /// Numbers of a rendered model; forces and gains in units of the strongest strike.
-fn told_estimate(
+fn numbers(
     rendered: &Rendered,
     acceleration: f64,
     samples: &[f64],
@@ -187,13 +192,13 @@ mod tests {
     #[test]
     fn descent_lowers_the_loss_and_hears_the_strikes_of_a_short_clip() {
         let sound = plain(3, 1.0, 3, -60.0);
-        let settings = Settings { modes: 32, steps: 300, rates: vec![0.03], seed: 2 };
+        let settings = Settings { modes: 32, steps: 200, rates: vec![0.03], seed: 2 };
         let unit = sound.samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let loss = Loss::new(&sound.samples.iter().map(|x| x / unit).collect::<Vec<f64>>());
         let mut descent = Descent::new(&settings, 0, (sound.samples.len(), sound.rate_hz), &loss);
         (0..settings.steps).for_each(|_| descent.step());
         assert!(descent.loss() < 0.5 * descent.losses[0], "{} of {}", descent.loss(), descent.losses[0]);
-        let estimate = estimate(&sound.samples, sound.rate_hz, &settings, |_| {}).expect("it is a clip");
+        let estimate = descent.estimate(&sound.samples, unit, sound.rate_hz).expect("it is a clip");
         for strike in &sound.strikes {
             let near = |found: &&StrikeEstimate| (found.middle_s - strike.middle_s()).abs() < 0.01;
             assert!(estimate.strikes.iter().any(|found| near(&found)), "{strike:?} {:?}", estimate.strikes);
