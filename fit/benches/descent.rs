@@ -11,8 +11,10 @@ use fit::multi_strike::synthetic::{StruckOften, plain};
 use fit::multi_strike::{Estimate, Layout, cramer_rao, estimate};
 use fit::score::quantile;
 
-/// Largest distance in seconds of a found strike from the true one.
-const NEAR_S: f64 = 0.01;
+/// Largest distance in seconds of a strike that is counted as found from the true one.
+const FOUND_S: f64 = 0.01;
+/// Largest distance in seconds at which errors are taken: half the least gap between two strikes.
+const NEAR_S: f64 = 0.05;
 /// Largest distance in cents of a found mode that is counted as found.
 const NEAR_CENTS: f64 = 20.0;
 /// Bound of T60 in percent up to which a mode is heard.
@@ -68,8 +70,9 @@ impl Errors {
         let late_s = |a: usize, b: usize| (fit.strikes[b].middle_s - sound.strikes[a].middle_s()).abs();
         let mut found = pairs([sound.strikes.len(), fit.strikes.len()], late_s);
         found.retain(|pair| late_s(pair[0], pair[1]) < NEAR_S);
-        self.strikes += found.len();
-        self.spurious += fit.strikes.len() - found.len();
+        let within = found.iter().filter(|pair| late_s(pair[0], pair[1]) < FOUND_S).count();
+        self.strikes += within;
+        self.spurious += fit.strikes.len() - within;
         let ratio = |pair: &[usize; 2]| {
             20.0 * (fit.strikes[pair[1]].peak_force / sound.strikes[pair[0]].peak_force).log10()
         };

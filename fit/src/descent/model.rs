@@ -25,6 +25,11 @@ const START_ROOM_DECAY: f64 = -1.0;
 const START_ACCELERATION: f64 = 0.1;
 /// Standard deviation of the noise on magnitudes at the start (appendix B).
 const START_SPREAD: f64 = 0.1;
+/// Standard deviation of the random magnitudes at the start.
+///
+/// The paper prints none. The noise on them lets other nodes than the first become a window's peak,
+/// as long as magnitudes differ by no more than it.
+const START_MAGNITUDES: f64 = 0.1;
 
 /// A recording's model without its learned numbers.
 #[derive(Clone)]
@@ -82,6 +87,7 @@ impl Model {
     /// Random numbers at which a descent begins.
     pub(super) fn start(&self, random: &mut SplitMix64) -> Vec<f64> {
         let mut parameters: Vec<f64> = (0..self.places.total()).map(|_| random.normal()).collect();
+        parameters[self.places.of(Kind::Magnitude)].iter_mut().for_each(|x| *x *= START_MAGNITUDES);
         parameters[self.places.of(Kind::Spread)].fill(START_SPREAD);
         parameters[self.places.of(Kind::ContactBias)].fill(0.0);
         parameters[self.places.of(Kind::Damping)].iter_mut().for_each(|x| *x += START_DAMPING);

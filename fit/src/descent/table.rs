@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use kit::{Kit, Pulse};
+use kit::{Kit, Pulse, Striker};
 
 use crate::multi_strike::{self, Estimate};
 use crate::table::Provenance;
@@ -17,7 +17,9 @@ pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
         mode.gain = mode.gain.map(|gain| gain * turn.sin() / turn);
     }
     let mut table = multi_strike::table(&unattenuated, provenance);
-    table.strikers.iter_mut().for_each(|striker| striker.pulse = Pulse::Gaussian);
+    for striker in &mut table.strikers {
+        (striker.pulse, striker.restitution) = (Pulse::Gaussian, Striker::DEFAULT_RESTITUTION);
+    }
     table
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use fit::multi_strike::{ModeEstimate, StrikeEstimate};
+use fit::score::quantile;
 
 use super::chart::{Axis, Chart};
 use super::markup::data_uri;
@@ -50,6 +51,22 @@ fn class_of(strike: &StrikeEstimate) -> &'static str {
     CLASSES[strike.striker % CLASSES.len()]
 }
 
+/// Sentence on the standard deviations of times and forces; empty if there are none.
+pub(super) fn deviations(page: &StrikesPage<'_>) -> String {
+    let median = |deviation: fn(&StrikeEstimate) -> f64| {
+        let all: Vec<f64> = page.estimate.strikes.iter().map(deviation).filter(|sd| sd.is_finite()).collect();
+        (!all.is_empty()).then(|| quantile(&all, 0.5))
+    };
+    let decibels = |strike: &StrikeEstimate| 20.0 / std::f64::consts::LN_10 * strike.peak_force_sd / strike.peak_force;
+    let percent = |strike: &StrikeEstimate| 100.0 * strike.contact_time_s_sd / strike.contact_time_s;
+    let found = median(|strike| 1e6 * strike.at_s_sd).zip(median(percent)).zip(median(decibels));
+    found.map_or_else(String::new, |((onset_us, contact_percent), peak_db)| {
+        format!(
+            "<p class=\"muted\">Standard deviations in the median: onset {onset_us:.2} µs, contact time {contact_percent:.2} %, peak {peak_db:.3} dB. Bars that are shorter than a dot are hidden by it.</p>\n"
+        )
+    })
+}
+
 /// Names the strikers in a legend, if there are several.
 fn explain_strikers(chart: &mut Chart, page: &StrikesPage<'_>) {
     let count = page.strikers();
@@ -66,10 +83,10 @@ fn timeline(path: &Path, page: &StrikesPage<'_>) -> Result<String, PlotError> {
     let mut chart = Chart::new("Strikes over the recording", Axis::linear(0.0, page.seconds(), TIME), frequency);
     explain_strikers(&mut chart, page);
     pictures.iter().for_each(|png| chart.picture(&data_uri("image/png", png)));
-    // Marks hang from the upper edge, longer for stronger strikes: 60 dB are the whole range.
+    // Marks hang from the upper edge, longer for stronger strikes: 40 dB are the whole range.
     let ratio = SPECTROGRAM_HZ.1 / SPECTROGRAM_HZ.0;
     for strike in &page.estimate.strikes {
-        let depth = 0.04 + 0.2 * (1.0 + level_db(strike.peak_force) / 60.0).clamp(0.0, 1.0);
+        let depth = 0.03 + 0.2 * (1.0 + level_db(strike.peak_force) / 40.0).clamp(0.0, 1.0);
         let foot_hz = SPECTROGRAM_HZ.1 * ratio.powf(-depth);
         chart.line(&format!("wide {}", class_of(strike)), [(strike.at_s, SPECTROGRAM_HZ.1), (strike.at_s, foot_hz)]);
     }
@@ -134,7 +151,8 @@ fn residual(page: &StrikesPage<'_>) -> String {
     let rate_hz = page.estimate.rate_hz;
     let curves = [
         ("recording", "recording", levels(page.recording, rate_hz)),
-        ("fit", "left by the replay", levels(&page.left(), rate_hz)),
+        // Both lie on one another, as a rule.
+        ("fit wide", "left by the replay", levels(&page.left(), rate_hz)),
         ("law", "left by the fit", levels(&page.estimate.residual, rate_hz)),
     ];
     let all = curves.iter().flat_map(|curve| &curve.2).map(|point| point.1);
@@ -163,13 +181,6 @@ fn contact_law(page: &StrikesPage<'_>) -> String {
     );
     explain_strikers(&mut chart, page);
     chart.explain("mark", "law of the table");
-    for strike in strikes {
-        let [low, middle, high] = contact_ms(strike);
-        if low.is_finite() && high.is_finite() {
-            chart.interval(class_of(strike), strike.peak_force, low, high);
-        }
-        chart.dot(class_of(strike), strike.peak_force, middle, 2.6);
-    }
     for (index, striker) in page.kit.strikers.iter().enumerate() {
         let own = || strikes.iter().filter(|strike| strike.striker == index).map(|strike| strike.peak_force);
         let most = own().fold(0.0, f64::max);
@@ -181,6 +192,13 @@ fn contact_law(page: &StrikesPage<'_>) -> String {
         if most > 0.0 {
             chart.line("mark", [least, most].map(|peak| (peak, law(peak))));
         }
+    }
+    for strike in strikes {
+        let [low, middle, high] = contact_ms(strike);
+        if low.is_finite() && high.is_finite() {
+            chart.interval(class_of(strike), strike.peak_force, low, high);
+        }
+        chart.dot(class_of(strike), strike.peak_force, middle, 2.6);
     }
     chart.figure()
 }

@@ -10,7 +10,7 @@ use super::document::document;
 use super::error::ReportError;
 use super::markup::{escaped, sound_uri};
 use super::page::{Summary, figures_as_json, notes, significant, tile};
-use super::strikes_figures::Figures;
+use super::strikes_figures::{Figures, deviations};
 
 /// Longest sound in a page, in seconds; the charts show all of the recording.
 const LONGEST_S: f64 = 60.0;
@@ -98,7 +98,7 @@ pub fn write_strikes_page(path: &Path, page: &StrikesPage<'_>, report: &impl Ser
     body += &tiles(page, &left);
     body += &players(path, page, &left)?;
     let Figures { over_time, laws } = figures;
-    body += &format!("<h2>Over time</h2>\n<div class=\"charts\">\n{over_time}</div>\n");
+    body += &format!("<h2>Over time</h2>\n<div class=\"charts\">\n{over_time}</div>\n{}", deviations(page));
     body += &format!("<h2>What was struck, and how</h2>\n<div class=\"charts\">\n{laws}</div>\n");
     body += &strikes(page);
     body += &modes(page);
