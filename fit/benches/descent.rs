@@ -20,7 +20,7 @@ const NEAR_CENTS: f64 = 20.0;
 /// Bound of T60 in percent up to which a mode is heard.
 const HEARD_PERCENT: f64 = 5.0;
 /// Number of steps from which the time of a step is measured.
-const TIMED_STEPS: usize = 10;
+const TIMED_STEPS: usize = 20;
 
 /// Errors of one way.
 #[derive(Default)]
@@ -73,9 +73,8 @@ impl Errors {
         let within = found.iter().filter(|pair| late_s(pair[0], pair[1]) < FOUND_S).count();
         self.strikes += within;
         self.spurious += fit.strikes.len() - within;
-        let ratio = |pair: &[usize; 2]| {
-            20.0 * (fit.strikes[pair[1]].peak_force / sound.strikes[pair[0]].peak_force).log10()
-        };
+        let ratio =
+            |pair: &[usize; 2]| 20.0 * (fit.strikes[pair[1]].peak_force / sound.strikes[pair[0]].peak_force).log10();
         // Only ratios of peaks are told: the median ratio is the unit.
         let unit_db = quantile(&found.iter().map(ratio).collect::<Vec<f64>>(), 0.5);
         for pair in &found {
@@ -118,10 +117,12 @@ fn main() {
             let found = descent::estimate(&sound.samples, sound.rate_hz, settings, |_| {});
             (found, start.elapsed().as_secs_f64())
         };
-        let timed = descent::Settings { steps: TIMED_STEPS, rates: vec![0.001], ..settings.clone() };
-        let step_s = by(&timed).1 / TIMED_STEPS as f64;
+        let timed = |steps: usize| by(&descent::Settings { steps, rates: vec![0.001], ..settings.clone() }).1;
+        let once_s = timed(1);
+        let step_s = (timed(1 + TIMED_STEPS) - once_s) / TIMED_STEPS as f64;
+        let before_s = settings.rates.len() as f64 * (once_s - step_s).max(0.0);
         let whole = settings.all_steps() as f64 / settings.steps as f64;
-        settings.steps = ((times as f64 * joint_s / step_s / whole).round() as usize).max(1);
+        settings.steps = (((times as f64 * joint_s - before_s) / step_s / whole).ceil() as usize).max(1);
         let (found, descent_s) = by(&settings);
         let found = match found {
             Ok(found) => found,

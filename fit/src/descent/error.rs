@@ -19,6 +19,8 @@ pub enum DescentError {
     #[error("the recording is silent: give one in which something is struck")]
     Silent,
     /// No step leads to a sound.
-    #[error("the descent leads to no sound: give a recording that begins before its first strike, or leave out --estimator")]
+    #[error(
+        "the descent leads to no sound: give a recording that begins before its first strike, or leave out --estimator"
+    )]
     Lost,
 }

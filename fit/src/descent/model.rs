@@ -130,11 +130,8 @@ impl Model {
         let part = |kind: Kind| &parameters[self.places.of(kind)];
         let pulses = self.force.pulses(&self.force_inputs(parameters, draw));
         let force = self.force.force(&pulses);
-        let inputs = ModeInputs {
-            gains: part(Kind::Gain),
-            dampings: part(Kind::Damping),
-            frequencies: part(Kind::Frequency),
-        };
+        let inputs =
+            ModeInputs { gains: part(Kind::Gain), dampings: part(Kind::Damping), frequencies: part(Kind::Frequency) };
         let modes = self.modes.scaled(&inputs);
         let force_spectrum = self.convolution.spectrum(&force);
         let response_spectrum = self.convolution.spectrum(&self.modes.response(&modes));
@@ -165,8 +162,7 @@ impl Model {
     pub(super) fn gradient(&self, parameters: &[f64], draw: &Draw, rendered: &Rendered, by_sound: &[f64]) -> Vec<f64> {
         let part = |kind: Kind| &parameters[self.places.of(kind)];
         let by_sound_spectrum = self.convolution.spectrum(by_sound);
-        let by_room =
-            self.convolution.correlated(&by_sound_spectrum, &rendered.dry_spectrum, rendered.room_length);
+        let by_room = self.convolution.correlated(&by_sound_spectrum, &rendered.dry_spectrum, rendered.room_length);
         let mut by_dry = self.convolution.correlated(&by_sound_spectrum, &rendered.room_spectrum, self.length);
         by_dry.iter_mut().zip(by_sound).for_each(|(sum, x)| *sum += x);
         let by_dry_spectrum = self.convolution.spectrum(&by_dry);

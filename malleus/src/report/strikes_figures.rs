@@ -1,4 +1,5 @@
-//! Charts of a page on many strikes: timeline, forces, contact law, gains along the object, residual.
+//! Charts of a page on many strikes: timeline, forces, contact law, decay, gains along the object
+//! and residual.
 
 use std::path::Path;
 
@@ -120,7 +121,8 @@ fn peaks(page: &StrikesPage<'_>) -> String {
     let axis = Axis::linear((lowest / 6.0).floor() * 6.0, 3.0, "dB of the strongest");
     over_time(page, ("Peak of each force, one deviation to both sides", axis), |strike| {
         let [peak, sd] = [strike.peak_force, strike.peak_force_sd];
-        [level_db(peak - sd), level_db(peak), level_db(peak + sd)].map(|db| if sd.is_nan() { level_db(peak) } else { db })
+        [level_db(peak - sd), level_db(peak), level_db(peak + sd)]
+            .map(|db| if sd.is_nan() { level_db(peak) } else { db })
     })
 }
 

@@ -146,8 +146,14 @@ fn tiles(page: &StrikesPage<'_>, left: &[f64]) -> String {
         ("Recording", format!("{recording_dbfs:.1} dBFS")),
         ("Left by the fit", format!("{left_dbfs:.1} dBFS")),
         ("Left by the replay", format!("{:.1} dBFS", level_dbfs(left))),
-        ("Acceleration sound", if *acceleration == 0.0 { "none heard".to_owned() } else { format!("{acceleration:.2e}") }),
-        ("Material, a guess", page.material.map_or("none".to_owned(), |(name, share)| format!("{name}, {:.0} %", 100.0 * share))),
+        (
+            "Acceleration sound",
+            if *acceleration == 0.0 { "none heard".to_owned() } else { format!("{acceleration:.2e}") },
+        ),
+        (
+            "Material, a guess",
+            page.material.map_or("none".to_owned(), |(name, share)| format!("{name}, {:.0} %", 100.0 * share)),
+        ),
         ("Time", format!("{:.1} s", page.seconds)),
     ];
     let tiles: String = tiles.iter().map(|(term, value)| tile(term, value)).collect();
@@ -158,9 +164,8 @@ fn players(path: &Path, page: &StrikesPage<'_>, left: &[f64]) -> Result<String, 
     let shown = page.recording.len().min((LONGEST_S * page.estimate.rate_hz) as usize);
     let peak = |sound: &[f64]| sound.iter().fold(f64::MIN_POSITIVE, |peak: f64, x| peak.max(x.abs()));
     let scale = PEAK / peak(page.recording);
-    let scaled = |sound: &[f64], scale: f64| -> Vec<f32> {
-        sound.iter().take(shown).map(|x| (x * scale) as f32).collect()
-    };
+    let scaled =
+        |sound: &[f64], scale: f64| -> Vec<f32> { sound.iter().take(shown).map(|x| (x * scale) as f32).collect() };
     // What is left is made as loud as the recording, by at most 60 dB.
     let louder = (peak(page.recording) / peak(left)).clamp(1.0, 1e3);
     let sounds = [

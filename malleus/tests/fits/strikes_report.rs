@@ -39,16 +39,18 @@ fn page_of_many_strikes_has_its_parts_and_the_sound_that_play_makes() {
     let sound = fit::multi_strike::synthetic::at_places(1, 15.0, 25);
     write_recording(&path("taps.wav"), &sound.samples);
     let (table, events, pages) = (text("taps.toml"), text("taps.csv"), text("pages"));
-    let flags = ["-o", &table, "--events", &events, "--positions", "8", "--strikers", "2", "--report", &pages, "--json"];
+    let flags =
+        ["-o", &table, "--events", &events, "--positions", "8", "--strikers", "2", "--report", &pages, "--json"];
     let output = malleus(&[&path("taps.wav")], &flags);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let html = read(&path("pages/taps.html"));
     assert_well_formed_and_self_contained(&html);
     let tags = tags(&html);
     assert_eq!(tags.iter().filter(|tag| tag.name == "svg" && !tag.closes).count(), 7);
-    for title in ["Strikes over the recording", "Peak of each force", "Contact time of each force", "What is left over time"]
-        .into_iter()
-        .chain(["Contact law", "Decay of the modes", "Gains along the object", "striker 2", "All strikes", " ± "])
+    for title in
+        ["Strikes over the recording", "Peak of each force", "Contact time of each force", "What is left over time"]
+            .into_iter()
+            .chain(["Contact law", "Decay of the modes", "Gains along the object", "striker 2", "All strikes", " ± "])
     {
         assert!(html.contains(title), "{title} is missing");
     }
