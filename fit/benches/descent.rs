@@ -94,7 +94,7 @@ fn print(what: &str, joint: &[f64], descent: &[f64]) {
 fn main() {
     let numbers: Vec<u64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     let number = |index: usize, usual: u64| numbers.get(index).copied().unwrap_or(usual);
-    let (seeds, first, times) = (number(0, 3), number(1, 501), number(2, 10));
+    let (seeds, first, times) = (number(0, 3), number(1, 601), number(2, 10));
     let (mut by_joint, mut by_descent) = (Errors::default(), Errors::default());
     let (mut strikes, mut fits) = (0, 0);
     for seed in first..first + seeds {
