@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use fourier::{Complex, ComplexToReal, RealToComplex};
 
-/// Window sizes s_w in samples.
+/// Window sizes s_w in samples, as §3.5 and the released notebook have them.
+///
+/// Appendix C.2 counts 128 among the sizes that are left out.
 const WINDOWS: [usize; 5] = [128, 256, 512, 1024, 2048];
 /// Number of frames that overlap: an overlap ratio β of 3/4, as in DDSP.
 const OVERLAP: usize = 4;

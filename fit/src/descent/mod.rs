@@ -10,7 +10,8 @@
 //!
 //! This is the way as published (`DiffImpact`, eq. 1 to 23, algorithm 1, analysis by synthesis of
 //! §4.1), to compare [`crate::multi_strike`] with. Each file is a step and has its derivatives.
-//! Numbers that the paper leaves open are those of the authors' released notebook.
+//! Numbers that the paper leaves open are those of the authors' released notebook, where it has
+//! them.
 
 mod adam;
 mod bands;
