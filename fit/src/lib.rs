@@ -4,6 +4,7 @@ pub mod audio;
 pub mod bark;
 pub mod bins;
 pub mod contact;
+pub mod descent;
 pub mod distance;
 pub mod dynamic_filter;
 pub mod hearing;

@@ -124,9 +124,13 @@ pub(crate) struct FitArguments {
     #[arg(long, value_name = "N", value_parser = parse_modes)]
     pub(crate) modes: Option<usize>,
     /// Estimator of the modes: `modal` finds all together by maximum likelihood; `bins` finds one
-    /// per bin of a spectrogram, and always adds 100 bands of noise (a physical prior)
+    /// per bin of a spectrogram, and always adds 100 bands of noise (a physical prior); `descent`,
+    /// with --events, fits all strikes by Adam on spectrograms, for comparison
     #[arg(long, value_enum, value_name = "NAME", default_value_t = EstimatorName::Modal)]
     pub(crate) estimator: EstimatorName,
+    /// Number of steps of --estimator descent [default: 6000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) steps: Option<u32>,
     /// Fit noise through a moving filter instead of modes and residual, with at most ten modes
     /// beside it or at most ten loops round it (docs/dynamic-filter-fits.md)
     #[arg(long, value_enum, value_name = "WITH", conflicts_with_all = ["modes", "estimator", "force_channel", "hits", "budget", "report"])]
@@ -146,7 +150,7 @@ pub(crate) struct FitArguments {
     pub(crate) render: Option<PathBuf>,
     /// Fit all strikes of the recording together, and write them as events that replay it on the
     /// table, with force and contact time of each (docs/multi-strike.md)
-    #[arg(long, value_name = "OUT.csv", conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render", "report"])]
+    #[arg(long, value_name = "OUT.csv", conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render"])]
     pub(crate) events: Option<PathBuf>,
     /// Number of gains of each mode along the object, for strikes at different positions: about
     /// three for each half wave of the highest mode, at least 4; 1 for one place
@@ -229,6 +233,7 @@ pub(crate) enum BesideName {
 pub(crate) enum EstimatorName {
     Modal,
     Bins,
+    Descent,
 }
 
 /// Commands of `malleus kit`.

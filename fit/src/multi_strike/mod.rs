@@ -45,6 +45,7 @@ mod whitening;
 
 pub use error::StrikesError;
 pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
+pub(crate) use fit::is_clipped;
 pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;

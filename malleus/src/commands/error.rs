@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use malleus::events::EventsError;
 use malleus::plot::PlotError;
 use malleus::render::instrument::RenderError;
+use malleus::render::parts::PartsError;
 use malleus::report::ReportError;
 use malleus::wave::WaveError;
 
@@ -93,8 +94,14 @@ pub(crate) enum CommandError {
         "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --budget-mhz, --log and --limit"
     )]
     PartsOnBoard { file: String },
-    #[error("a part of the kit cannot be played alone: {error}")]
-    Parts { error: String },
+    #[error("{kit}: {error}")]
+    Parts { kit: String, error: PartsError },
+    #[error(
+        "--estimator descent fits all strikes of a recording together: give --events OUT.csv, too, or choose modal or bins"
+    )]
+    DescentWithoutEvents,
+    #[error("--steps is the number of steps of a descent: give --estimator descent, too, or leave --steps out")]
+    StepsWithoutDescent,
     #[error(transparent)]
     Labels(#[from] LabelsError),
     #[error(transparent)]

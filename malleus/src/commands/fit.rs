@@ -57,6 +57,12 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     if arguments.events.is_some() && arguments.input.len() > 1 {
         return Err(CommandError::OneEvents { inputs: arguments.input.len() });
     }
+    if arguments.estimator == EstimatorName::Descent && arguments.events.is_none() {
+        return Err(CommandError::DescentWithoutEvents);
+    }
+    if arguments.estimator != EstimatorName::Descent && arguments.steps.is_some() {
+        return Err(CommandError::StepsWithoutDescent);
+    }
     if let Some(events) = &arguments.events {
         refuse_input(events, arguments.input.iter().map(PathBuf::as_path))?;
     }
@@ -168,7 +174,8 @@ fn options(arguments: &FitArguments, materials: Vec<Material>) -> Options {
     };
     let within = arguments.budget.map_or(usize::MAX, ::fit::table::modes_within);
     options.strike.estimator = match arguments.estimator {
-        EstimatorName::Modal => Estimator::Modal,
+        // A descent fits many strikes (`fit_strikes`), and never one.
+        EstimatorName::Modal | EstimatorName::Descent => Estimator::Modal,
         EstimatorName::Bins => Estimator::Bins,
     };
     let most = arguments.modes.unwrap_or(options.strike.estimator.usual_modes());

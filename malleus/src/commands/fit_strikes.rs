@@ -3,10 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::audio;
+use ::fit::descent;
 use ::fit::material::{self, Guess, Interval, RingingMode};
 use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
+use ::kit::Kit;
+use dsp_core::fixed::FULL_SCALE_24_BIT;
 use indicatif::ProgressBar;
+use malleus::render::replay::replay;
+use malleus::report::{StrikesPage, write_strikes_page};
 use serde::Serialize;
 
 use super::fit_job::{Job, with_file};
@@ -34,7 +39,7 @@ pub(super) const STEPS: u64 = 100;
 
 /// Fits all strikes together, and writes the table and, at `events`, the events that replay it.
 ///
-/// `bar` moves with the work.
+/// Writes a page, too, if the job has one. `bar` moves with the work.
 pub(super) fn fit_and_write(
     arguments: &FitArguments,
     job: &Job,
@@ -42,35 +47,93 @@ pub(super) fn fit_and_write(
     bar: &ProgressBar,
 ) -> Result<StrikesReport, String> {
     let start = std::time::Instant::now();
-    if arguments.estimator != EstimatorName::Modal {
-        return Err("`--events` needs the estimator `modal`: leave `--estimator` out".to_owned());
-    }
     let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
-    let mut settings = ::fit::modes::Settings::default();
-    settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
-    let layout = Layout { positions: usize::from(arguments.positions), strikers: usize::from(arguments.strikers) };
     let told = |share: f64| bar.set_position((share * STEPS as f64) as u64);
-    let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings, layout, told)
-        .map_err(|error| format!("{}: {error}", job.input.display()))?;
+    let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", job.input.display());
+    let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
+    let (estimate, way) = match arguments.estimator {
+        EstimatorName::Bins => {
+            return Err("`--events` needs the estimator `modal` or `descent`: leave `--estimator bins` out".to_owned());
+        }
+        EstimatorName::Modal => {
+            let mut settings = ::fit::modes::Settings::default();
+            settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
+            let layout =
+                Layout { positions: usize::from(arguments.positions), strikers: usize::from(arguments.strikers) };
+            let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings, layout, told)
+                .map_err(|error| of_file(&error))?;
+            (estimate, JOINT)
+        }
+        EstimatorName::Descent => {
+            if arguments.positions > 1 || arguments.strikers > 1 {
+                return Err("the descent knows one place and one striker: leave --positions and --strikers out, or --estimator descent".to_owned());
+            }
+            let mut settings = descent::Settings::default();
+            settings.modes = arguments.modes.unwrap_or(settings.modes);
+            settings.steps = arguments.steps.map_or(settings.steps, |steps| steps as usize);
+            let estimate = descent::estimate(&recording.samples, recording.rate_hz, &settings, told)
+                .map_err(|error| of_file(&error))?;
+            notes.push("fitted by descent on spectrograms: the numbers have no standard deviations".to_owned());
+            (estimate, DESCENT)
+        }
+    };
     let provenance = provenance(&job.input, &estimate, arguments);
-    let table = multi_strike::table(&estimate, &provenance);
+    let table = (way.table)(&estimate, &provenance);
     let text = ::kit::text::write(&table);
     ::kit::file::write_whole(&job.table, text.as_bytes()).map_err(|error| error.to_string())?;
-    let text = multi_strike::events(&estimate, &table);
+    let text = (way.events)(&estimate, &table);
     ::kit::file::write_whole(events, text.as_bytes()).map_err(|error| error.to_string())?;
-    let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     notes.extend(flagged(&estimate));
     let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
     let solid = arguments.bar.or(arguments.disc);
     let (material, young_modulus_pa) = material::guess(&ringing(&estimate), &materials, solid);
-    Ok(StrikesReport {
+    let report = StrikesReport {
         notes,
         events: events.to_owned(),
         estimate,
         material,
         young_modulus_pa,
         seconds: start.elapsed().as_secs_f64(),
-    })
+    };
+    if let Some(page) = &job.page {
+        write_page(job, page, &table, &recording.samples, &report)?;
+    }
+    Ok(report)
+}
+
+/// Functions that write down a fit.
+struct Way {
+    table: fn(&Estimate, &Provenance) -> Kit,
+    events: fn(&Estimate, &Kit) -> String,
+}
+
+/// The joint fit, whose forces are half-sines.
+const JOINT: Way = Way { table: multi_strike::table, events: multi_strike::events };
+/// The descent, whose forces are Gaussians.
+const DESCENT: Way = Way { table: descent::table, events: descent::events };
+
+/// Writes the page of a recording whose table and events are written.
+fn write_page(job: &Job, page: &Path, kit: &Kit, recording: &[f64], report: &StrikesReport) -> Result<(), String> {
+    let rate_hz = report.estimate.rate_hz;
+    let frames = replay(&job.table, &report.events, rate_hz, recording.len() as f64 / rate_hz)
+        .map_err(|error| format!("{}: no page: {error}", job.input.display()))?;
+    // The pad is in the middle: both channels are the sound.
+    let full_scale = f64::from(FULL_SCALE_24_BIT);
+    let played: Vec<f64> = frames.iter().take(recording.len()).map(|frame| f64::from(frame[0]) / full_scale).collect();
+    let content = StrikesPage {
+        name: &job.name,
+        input: &job.input,
+        table: &job.table,
+        events: &report.events,
+        estimate: &report.estimate,
+        kit,
+        recording,
+        replay: &played,
+        material: report.material.as_ref().map(|guess| (guess.name, guess.confidence)),
+        notes: &report.notes,
+        seconds: report.seconds,
+    };
+    write_strikes_page(page, &content, report).map_err(|error| error.to_string())
 }
 
 /// Modes as far as they tell of a material, with their levels under an impulse.

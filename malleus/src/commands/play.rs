@@ -11,7 +11,7 @@ use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::Level;
 use malleus::render::own_force::Part;
-use malleus::render::{Performance, board, instrument, own_force, reference};
+use malleus::render::{Performance, board, instrument, own_force, parts, reference};
 use malleus::{events, wave};
 use serde::Serialize;
 use virtual_board::Board;
@@ -189,8 +189,6 @@ fn read_performance(
 }
 
 /// Renders the parts of strikes at several positions or with several strikers, and adds them up.
-///
-/// Strikes by a striker's law are played on the kit itself; all other events act on every part.
 fn play_parts(
     arguments: &PlayArguments,
     kit: &kit::Kit,
@@ -198,45 +196,26 @@ fn play_parts(
     parts: &[Part],
     rate: SampleRate,
 ) -> Result<(Vec<[i32; 2]>, Level), CommandError> {
-    let bar = progress((parts.len() * performance.frames) as u64, "playing");
-    let others: Vec<Event> =
-        performance.events.iter().filter(|event| event.action != Action::Strike).copied().collect();
-    let is_struck = others.len() < performance.events.len();
-    let by_law = is_struck.then(|| (kit.clone(), Performance { direct: None, ..performance.clone() }));
-    let of_part = |part: &Part| {
-        let mut kit = part.kit.clone();
-        // The kit itself sounds its background.
-        kit.background = if is_struck { None } else { kit.background };
-        let (events, direct) = (others.clone(), Some(part.direct.clone()));
-        (kit, Performance { events, direct, frames: performance.frames })
-    };
-    let (mut exact, mut bus) = (vec![[0.0; 2]; performance.frames], vec![[0i32; 2]; performance.frames]);
-    for (index, (kit, performance)) in by_law.into_iter().chain(parts.iter().map(of_part)).enumerate() {
-        let before = index * performance.frames;
-        let name = || arguments.kit.clone();
-        if arguments.reference {
-            let done = |done: usize| bar.set_position((before + done) as u64);
-            let sound = reference::render(&kit, &performance, rate, done)
+    let scenes = parts::scenes(kit, performance, parts);
+    let bar = progress((scenes.len() * performance.frames) as u64, "playing");
+    let name = || arguments.kit.clone();
+    if arguments.reference {
+        let mut exact = vec![[0.0; 2]; performance.frames];
+        for (index, (kit, performance)) in scenes.iter().enumerate() {
+            let done = |done: usize| bar.set_position((index * performance.frames + done) as u64);
+            let sound = reference::render(kit, performance, rate, done)
                 .map_err(|error| CommandError::Reference { kit: name(), error })?;
             exact.iter_mut().zip(sound).for_each(|(sum, x)| *sum = [sum[0] + x[0], sum[1] + x[1]]);
-            continue;
         }
-        let binary = kit::binary::build(&kit).map_err(|error| CommandError::Parts { error: error.to_string() })?;
-        let table = Kit::parse(&binary).map_err(|error| CommandError::Table { kit: name(), error })?;
-        let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
-        let setup = Setup { skipping, ..Setup::new(rate) };
-        let settings = Settings { setup, block: arguments.block as usize, budget_cycles: None };
-        let observe = |report: &TickReport| bar.set_position(before as u64 + report.frame);
-        let sound = instrument::render_logged(&table, &performance, settings, Output::Bus, observe, |_| {})
-            .map_err(|error| CommandError::Render { kit: name(), error })?;
-        let add = |sum: i32, x: i32| sum.saturating_add(x);
-        bus.iter_mut().zip(sound).for_each(|(sum, x)| *sum = [add(sum[0], x[0]), add(sum[1], x[1])]);
-    }
-    bar.finish_and_clear();
-    if arguments.reference {
+        bar.finish_and_clear();
         let level = Level::of_reference(&exact);
         return Ok((exact.into_iter().map(|frame| frame.map(::reference::scene::quantise_24)).collect(), level));
     }
+    let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
+    let setup = Setup { skipping, ..Setup::new(rate) };
+    let mut bus = parts::render(&scenes, setup, arguments.block as usize, |done| bar.set_position(done))
+        .map_err(|error| CommandError::Parts { kit: name(), error })?;
+    bar.finish_and_clear();
     let level = Level::of_bus(&bus);
     dsp_core::output::to_24_bit(&mut bus);
     Ok((bus, level))

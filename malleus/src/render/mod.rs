@@ -6,7 +6,9 @@ pub mod headroom;
 pub mod instrument;
 pub mod level;
 pub mod own_force;
+pub mod parts;
 pub mod reference;
+pub mod replay;
 
 mod performance;
 

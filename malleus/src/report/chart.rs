@@ -132,6 +132,15 @@ impl Chart {
         self.draw(format_args!("<circle class=\"dot {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\"/>"));
     }
 
+    /// Draws an upright line over a range of y, such as an error bar.
+    pub(super) fn interval(&mut self, class: &str, x: f64, from: f64, to: f64) {
+        let ((x, from), (_, to)) = (self.place(x, from), self.place(x, to));
+        self.draw(format_args!(
+            "<path class=\"line {class}\" d=\"M{x:.1} {from:.1}V{to:.1}M{left:.1} {from:.1}h4M{left:.1} {to:.1}h4\"/>",
+            left = x - 2.0
+        ));
+    }
+
     /// Draws a dot and a line from the lower edge up to it.
     pub(super) fn stem(&mut self, class: &str, x: f64, y: f64) {
         let (px, py) = self.place(x, y);

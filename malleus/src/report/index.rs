@@ -40,16 +40,21 @@ pub fn write_index(folder: &Path, failed: &[(String, String)]) -> Result<(), Rep
     Ok(kit::file::write_whole(&folder.join(INDEX_FILE), index(&pages, failed).as_bytes())?)
 }
 
+/// Distance in dB, or a dash for pages of many strikes, which have none.
+fn decibels(distance_db: Option<f64>) -> String {
+    distance_db.map_or("\u{2013}".to_owned(), |db| format!("{db:.2}"))
+}
+
 fn index(pages: &[(String, Summary)], failed: &[(String, String)]) -> String {
     let mut rows = String::new();
     for (file, summary) in pages {
         rows += &format!(
-            "<tr><td><a href=\"{}\">{}</a></td><td>{}</td><td>{:.2}</td><td>{:.2}</td><td>{} to {}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{:.1}</td></tr>\n",
+            "<tr><td><a href=\"{}\">{}</a></td><td>{}</td><td>{}</td><td>{}</td><td>{} to {}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{:.1}</td></tr>\n",
             address(file),
             escaped(&summary.name),
             summary.modes,
-            summary.lsd_db,
-            summary.lsd_with_residual_db,
+            decibels(summary.lsd_db),
+            decibels(summary.lsd_with_residual_db),
             significant(summary.t60_s[0]),
             significant(summary.t60_s[1]),
             summary.contact_time_s * 1e3,
@@ -62,7 +67,7 @@ fn index(pages: &[(String, Summary)], failed: &[(String, String)]) -> String {
         rows +=
             &format!("<tr><td>{}</td><td class=\"failed\" colspan=\"8\">{}</td></tr>\n", escaped(name), escaped(why));
     }
-    let mut lsd: Vec<f64> = pages.iter().map(|(_, summary)| summary.lsd_db).collect();
+    let mut lsd: Vec<f64> = pages.iter().filter_map(|(_, summary)| summary.lsd_db).collect();
     lsd.sort_by(f64::total_cmp);
     let median = fit::score::quantile(&lsd, 0.5);
     let median = if lsd.is_empty() { String::new() } else { format!(", median LSD {median:.2} dB") };

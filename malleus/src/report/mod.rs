@@ -11,8 +11,11 @@ mod figures;
 mod index;
 mod markup;
 mod page;
+mod strikes_figures;
+mod strikes_page;
 mod view;
 
 pub use error::ReportError;
 pub use index::{INDEX_FILE, write_index};
 pub use page::{Summary, write_page};
+pub use strikes_page::{StrikesPage, write_strikes_page};

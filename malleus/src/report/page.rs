@@ -19,13 +19,13 @@ pub struct Summary {
     pub name: String,
     /// Number of modes in the table.
     pub modes: usize,
-    /// Log-spectral distance of the fit without its residual, in dB.
-    pub lsd_db: f64,
-    /// Log-spectral distance of the fit with its residual, in dB.
-    pub lsd_with_residual_db: f64,
+    /// Log-spectral distance of the fit without its residual, in dB; `None` for many strikes.
+    pub lsd_db: Option<f64>,
+    /// Log-spectral distance of the fit with its residual, in dB; `None` for many strikes.
+    pub lsd_with_residual_db: Option<f64>,
     /// Shortest and longest T60 of a mode in seconds.
     pub t60_s: [f64; 2],
-    /// Contact time of the loudest strike in seconds.
+    /// Contact time of the loudest strike in seconds; of many strikes that of the strongest.
     pub contact_time_s: f64,
     /// Material that the object may be made of, with the confidence of that guess (0 to 1).
     pub material: Option<(String, f64)>,
@@ -41,8 +41,8 @@ impl Summary {
         Self {
             name: name.to_owned(),
             modes: report.modes,
-            lsd_db: report.lsd_db,
-            lsd_with_residual_db: report.lsd_with_residual_db,
+            lsd_db: Some(report.lsd_db),
+            lsd_with_residual_db: Some(report.lsd_with_residual_db),
             t60_s: report.t60_s,
             contact_time_s: report.strikes.get(fitted.fit.loudest).map_or(0.0, |strike| strike.contact_time_s),
             material: report.material.map(|guess| (guess.name.to_owned(), guess.confidence)),
@@ -82,7 +82,6 @@ fn page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<String
     let report = &fitted.report;
     let summary = Summary::of(name, fitted);
     let sounds = view.sounds();
-    let json = |cause| ReportError::Figures { path: path.to_owned(), cause };
     let mut body = String::new();
     body += &heading(name, table, fitted);
     body += &tiles(&summary, fitted);
@@ -108,14 +107,35 @@ fn page(path: &Path, name: &str, table: &Path, fitted: &Fitted) -> Result<String
     body += &partials(fitted);
     body += &modes(fitted);
     body += &rooms(fitted);
-    if !report.notes.is_empty() {
-        let notes: String = report.notes.iter().map(|note| format!("<li>{}</li>\n", escaped(note))).collect();
-        body += &format!("<h2>Decided without asking</h2>\n<ul>\n{notes}</ul>\n");
-    }
-    let summary = json_in_script(&serde_json::to_string(&summary).map_err(json)?);
-    let figures = json_in_script(&serde_json::to_string(report).map_err(json)?);
-    body += &format!("{SUMMARY_OPENS}{summary}{SCRIPT_ENDS}\n{REPORT_OPENS}{figures}{SCRIPT_ENDS}\n");
+    let told: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
+    body += &notes(&told);
+    body += &figures_as_json(path, &summary, report)?;
     Ok(document(&format!("{name}: fit"), &body))
+}
+
+/// Decisions that were made without asking; empty without any.
+pub(super) fn notes(notes: &[String]) -> String {
+    if notes.is_empty() {
+        return String::new();
+    }
+    let notes: String = notes.iter().map(|note| format!("<li>{}</li>\n", escaped(note))).collect();
+    format!("<h2>Decided without asking</h2>\n<ul>\n{notes}</ul>\n")
+}
+
+/// Elements that hold the summary and all figures of a page as JSON.
+///
+/// # Errors
+/// [`ReportError::Figures`] with the path of the page.
+pub(super) fn figures_as_json(path: &Path, summary: &Summary, report: &impl Serialize) -> Result<String, ReportError> {
+    let json = |cause| ReportError::Figures { path: path.to_owned(), cause };
+    let summary = json_in_script(&serde_json::to_string(summary).map_err(json)?);
+    let figures = json_in_script(&serde_json::to_string(report).map_err(json)?);
+    Ok(format!("{SUMMARY_OPENS}{summary}{SCRIPT_ENDS}\n{REPORT_OPENS}{figures}{SCRIPT_ENDS}\n"))
+}
+
+/// A figure with its name.
+pub(super) fn tile(term: &str, value: &str) -> String {
+    format!("<div class=\"tile\"><dt>{term}</dt><dd>{}</dd></div>\n", escaped(value))
 }
 
 fn heading(name: &str, table: &Path, fitted: &Fitted) -> String {
@@ -142,8 +162,8 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
     let emergent = report.emergence_db.iter().filter(|db| **db >= fit::bark::EMERGENT_DB).count();
     let with_mode = report.partials.iter().filter(|partial| partial.mode_hz.is_some()).count();
     let mut tiles = vec![
-        ("Log-spectral distance", format!("{:.2} dB", summary.lsd_db)),
-        ("... with residual", format!("{:.2} dB", summary.lsd_with_residual_db)),
+        ("Log-spectral distance", format!("{:.2} dB", report.lsd_db)),
+        ("... with residual", format!("{:.2} dB", report.lsd_with_residual_db)),
         ("... in the room", report.lsd_with_room_db.map_or("none heard".to_owned(), |db| format!("{db:.2} dB"))),
         ("ERB distance", format!("{:.2} dB", report.erb_db)),
         ("... with residual", format!("{:.2} dB", report.erb_with_residual_db)),
@@ -173,10 +193,7 @@ fn tiles(summary: &Summary, fitted: &Fitted) -> String {
         tiles.push(("Spectral centroid", format!("{:.0} Hz", law.centroids.whole_hz)));
     }
     tiles.push(("Estimator, time", format!("{estimator}, {:.1} s", summary.seconds)));
-    let tiles: String = tiles
-        .iter()
-        .map(|(term, value)| format!("<div class=\"tile\"><dt>{term}</dt><dd>{}</dd></div>\n", escaped(value)))
-        .collect();
+    let tiles: String = tiles.iter().map(|(term, value)| tile(term, value)).collect();
     format!("<dl class=\"tiles\">\n{tiles}</dl>\n")
 }
 

@@ -34,7 +34,7 @@ fn strike(path: &Path, frequencies_hz: [f64; 3]) {
     writer.finalize().expect("written");
 }
 
-fn malleus(arguments: &[&Path], flags: &[&str]) -> std::process::Output {
+pub(crate) fn malleus(arguments: &[&Path], flags: &[&str]) -> std::process::Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_malleus"));
     command.arg("fit").args(arguments).args(flags).output().expect("the program runs")
 }
@@ -72,14 +72,14 @@ impl Fitted {
 }
 
 /// Tag of a page.
-struct Tag {
-    name: String,
-    closes: bool,
-    attributes: Vec<(String, String)>,
+pub(crate) struct Tag {
+    pub(crate) name: String,
+    pub(crate) closes: bool,
+    pub(crate) attributes: Vec<(String, String)>,
 }
 
 /// All tags of a page in order, except those in scripts and styles.
-fn tags(html: &str) -> Vec<Tag> {
+pub(crate) fn tags(html: &str) -> Vec<Tag> {
     let mut tags = Vec::new();
     let mut rest = html;
     while let Some((_, after)) = rest.split_once('<') {
@@ -106,7 +106,7 @@ fn tags(html: &str) -> Vec<Tag> {
 /// Elements that have no end tag.
 const VOID: [&str; 6] = ["!DOCTYPE", "meta", "link", "path", "image", "circle"];
 
-fn assert_well_formed_and_self_contained(html: &str) {
+pub(crate) fn assert_well_formed_and_self_contained(html: &str) {
     let mut open: Vec<String> = Vec::new();
     for tag in tags(html) {
         for (key, value) in &tag.attributes {
@@ -126,7 +126,7 @@ fn assert_well_formed_and_self_contained(html: &str) {
     }
 }
 
-fn read(path: &Path) -> String {
+pub(crate) fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
