@@ -178,6 +178,7 @@ fn numbers(
         rate_hz,
         modes,
         strikes: pulses.iter().zip(&powers).map(strike).collect(),
+        contact_times_are_heard: false,
         acceleration: acceleration * strongest * unit,
         acceleration_sd: f64::NAN,
         left_dbfs: 10.0 * power(&residual).max(1e-30).log10(),
