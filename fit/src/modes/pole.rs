@@ -39,6 +39,9 @@ impl Pole {
 /// `z^(start + i) = z^start z^i`.
 pub(crate) const BLOCK: usize = 64;
 
+/// Number of powers that are computed one by one; their products by others make a block.
+const FINE: usize = 8;
+
 /// Powers `z^0 .. z^63`, with real and imaginary parts in separate arrays.
 pub(crate) struct PowerBlock {
     re: [f64; BLOCK],
@@ -48,8 +51,13 @@ pub(crate) struct PowerBlock {
 impl PowerBlock {
     pub(crate) fn new(pole: Pole) -> Self {
         let mut block = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
-        for (n, (re, im)) in block.re.iter_mut().zip(&mut block.im).enumerate() {
-            Complex { re: *re, im: *im } = pole.power(n as f64);
+        // Sines and exponentials cost far more than products: 16 powers make all 64.
+        let fine: [Complex<f64>; FINE] = std::array::from_fn(|n| pole.power(n as f64));
+        for (row, (re, im)) in block.re.chunks_mut(FINE).zip(block.im.chunks_mut(FINE)).enumerate() {
+            let coarse = pole.power((row * FINE) as f64);
+            for ((re, im), fine) in re.iter_mut().zip(im).zip(&fine) {
+                Complex { re: *re, im: *im } = coarse * fine;
+            }
         }
         block
     }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::alignment::{aligned, alternatives};
+use super::amplitudes::{White, changes_of};
 use super::changes::changes;
 use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
@@ -12,7 +13,7 @@ use super::layout::Layout;
 use super::model::Model;
 use super::places::starts_at_places;
 use super::rises::rises;
-use super::start::{White, changes_of, starts};
+use super::start::starts;
 use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;

@@ -14,6 +14,7 @@
 //! one fits many strikes.
 
 mod alignment;
+mod amplitudes;
 mod arrow;
 mod changes;
 mod completion;

@@ -12,12 +12,13 @@ use std::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::amplitudes::Change;
 use super::contact::{Contact, strength};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::seriation;
 use super::spline::Weights;
-use super::start::{Change, grid};
+use super::start::grid;
 use super::strikers::assigned;
 use super::timing::{Turned, timed, turned};
 use crate::modes::Pole;

@@ -2,10 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::amplitudes::Change;
 use super::contact::strength;
 use super::model::{Model, Strike};
 use super::spline::Weights;
-use super::start::Change;
 
 type C64 = Complex<f64>;
 
@@ -139,7 +139,7 @@ fn along_object(seen: &[(C64, C64, f64, &Strike)], places: usize) -> (Vec<C64>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi_strike::start::{White, changes_of};
+    use crate::multi_strike::amplitudes::{White, changes_of};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
     use crate::multi_strike::whitening::Whitening;

@@ -6,7 +6,8 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use super::start::{Change, REACH_S};
+use super::amplitudes::Change;
+use super::start::REACH_S;
 
 type C64 = Complex<f64>;
 
