@@ -39,9 +39,6 @@ impl Pole {
 /// `z^(start + i) = z^start z^i`.
 pub(crate) const BLOCK: usize = 64;
 
-/// Number of powers that are computed one by one; their products by others make a block.
-const FINE: usize = 8;
-
 /// Powers `z^0 .. z^63`, with real and imaginary parts in separate arrays.
 pub(crate) struct PowerBlock {
     re: [f64; BLOCK],
@@ -51,13 +48,17 @@ pub(crate) struct PowerBlock {
 impl PowerBlock {
     pub(crate) fn new(pole: Pole) -> Self {
         let mut block = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
-        // Sines and exponentials cost far more than products: 16 powers make all 64.
-        let fine: [Complex<f64>; FINE] = std::array::from_fn(|n| pole.power(n as f64));
-        for (row, (re, im)) in block.re.chunks_mut(FINE).zip(block.im.chunks_mut(FINE)).enumerate() {
-            let coarse = pole.power((row * FINE) as f64);
-            for ((re, im), fine) in re.iter_mut().zip(im).zip(&fine) {
-                Complex { re: *re, im: *im } = coarse * fine;
+        block.re[0] = 1.0;
+        // Sines and exponentials cost far more than products: each half is the one before, turned.
+        let (mut turn, mut made) = (pole.power(1.0), 1);
+        while made < BLOCK {
+            let ((re, later_re), (im, later_im)) = (block.re.split_at_mut(made), block.im.split_at_mut(made));
+            for (((re, im), later_re), later_im) in re.iter().zip(im).zip(later_re).zip(later_im) {
+                *later_re = re * turn.re - *im * turn.im;
+                *later_im = re * turn.im + *im * turn.re;
             }
+            turn *= turn;
+            made *= 2;
         }
         block
     }
