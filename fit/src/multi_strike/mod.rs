@@ -16,6 +16,7 @@
 mod alignment;
 mod amplitudes;
 mod arrow;
+mod begin;
 mod changes;
 mod completion;
 mod contact;

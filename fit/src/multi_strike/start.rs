@@ -35,15 +35,16 @@ const STEADY: f64 = 6.0;
 /// Least number of modes that contacts are started from.
 const LEAST_MODES: usize = 4;
 
-/// Starting models from the strikes near `onsets`, one for each contact time tried, with misfits.
+/// Starting models from the strikes near `onsets`, one for each contact time tried.
 ///
-/// The best fitting comes first. Strikes that are not among the usable ones are left out, and those
+/// The best fitting comes first. Gains are at first those of the strongest strike but `attempt`. Strikes that are not among the usable ones are left out, and those
 /// too close to their neighbours for an amplitude of their own.
 pub(crate) fn starts(
     white: &White<'_>,
     (onsets, usable): (&[usize], &[usize]),
     poles: &[Pole],
     rate_hz: f64,
+    attempt: usize,
 ) -> Vec<Model> {
     let usable_changes = |poles: &[Pole]| {
         let mut changes = changes_of(white, onsets, poles, rate_hz);
@@ -55,18 +56,20 @@ pub(crate) fn starts(
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
-    let Some(strongest) =
-        (0..changes.len()).max_by(|a, b| strength_of(&changes[*a]).total_cmp(&strength_of(&changes[*b])))
-    else {
-        return Vec::new();
-    };
+    let strengths: Vec<f64> = changes.iter().map(strength_of).collect();
+    let Some(first) = strongest_but(&strengths, attempt) else { return Vec::new() };
     let looked_at = Grid::new(exponents_of(poles), rate_hz);
-    let mut found: Vec<(f64, Model)> = grid(TRIED, rate_hz)
-        .into_par_iter()
-        .map(|time| from_trial(&changes, strongest, time, poles, &looked_at))
-        .collect();
+    let mut found: Vec<(f64, Model)> =
+        grid(TRIED, rate_hz).into_par_iter().map(|time| from_trial(&changes, first, time, poles, &looked_at)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
+}
+
+/// Index of the largest value but a number of others.
+pub(super) fn strongest_but(values: &[f64], others: usize) -> Option<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+    order.get(others).copied()
 }
 
 /// Modes that most strikes ring; modes of one stretch alone are errors of that stretch.
@@ -137,15 +140,15 @@ pub(super) fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
     (0..count).map(tried).collect()
 }
 
-/// Model for a trial contact time of the strongest strike, with its misfit.
-fn from_trial(changes: &[Change], strongest: usize, time: f64, poles: &[Pole], grid: &Grid) -> (f64, Model) {
+/// Model for a trial contact time of the strike `first`, with its misfit.
+fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid: &Grid) -> (f64, Model) {
     let exponents = &grid.exponents;
-    let loud = &changes[strongest];
+    let loud = &changes[first];
     let mut gains: Vec<C64> =
         loud.amplitudes.iter().zip(exponents).map(|(a, s)| a / strength(*s, time).value).collect();
     let mut spreads: Vec<f64> =
         loud.variances.iter().zip(exponents).map(|(v, s)| v / strength(*s, time).value.norm_sqr()).collect();
-    // δ of the strongest strike is 0: its gains hold the phases, which turn all δ by one amount.
+    // δ of the first strike is 0: its gains hold the phases, which turn all δ by one amount.
     let (mut contacts, mut misfit) = (Vec::new(), f64::INFINITY);
     for round in 0..LOOKS * ROUNDS {
         if round % ROUNDS == 0 {
