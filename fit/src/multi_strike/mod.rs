@@ -31,6 +31,8 @@ mod hard_cases;
 mod layout;
 mod model;
 mod places;
+#[cfg(test)]
+mod random_strikes;
 mod ringing;
 mod rises;
 mod seriation;
