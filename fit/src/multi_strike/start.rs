@@ -305,3 +305,34 @@ fn misfit(shapes: &[(C64, Response)], change: &Change) -> f64 {
         .map(|((a, variance), (shape, _))| (a - shape).norm_sqr() / variance)
         .sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::synthetic::plain;
+    use crate::multi_strike::truth::model_of;
+    use crate::multi_strike::whitening::Whitening;
+
+    #[test]
+    fn modes_that_are_not_there_beside_true_ones_spoil_no_contacts() {
+        let sound = plain(8, 6.0, 10, -60.0);
+        let truth = model_of(&sound);
+        let mut poles = truth.poles.clone();
+        for pole in &truth.poles[..3] {
+            poles.push(Pole { decay: 0.05 * pole.decay, angular: 1.004 * pole.angular });
+        }
+        let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
+        let whitening = Whitening::none();
+        let white = White { samples: &sound.samples, whitening: &whitening, variance: sound.noise_rms.powi(2) };
+        let error = |model: &Model| {
+            let pairs = model.strikes.iter().zip(&truth.strikes);
+            let mut apart: Vec<f64> = pairs.map(|(a, b)| (a.contact.time / b.contact.time).ln().abs()).collect();
+            apart.sort_by(f64::total_cmp);
+            apart[apart.len() / 2]
+        };
+        let found = starts(&white, (&onsets, &onsets), &poles, sound.rate_hz, 0);
+        assert!(found.iter().all(|model| model.strikes.len() == 10));
+        let least = found.iter().map(error).fold(f64::INFINITY, f64::min);
+        assert!(least < 0.05, "contact times of the best start are wrong by {least}");
+    }
+}
