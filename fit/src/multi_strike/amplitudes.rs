@@ -122,7 +122,7 @@ mod tests {
         let trials = 300;
         for _ in 0..trials {
             let noise: Vec<f64> = (0..3000).map(|_| random.normal()).collect();
-            let found = amplitudes(&noise, &[0..3000], &poles);
+            let found = amplitudes(&noise, std::slice::from_ref(&(0..3000)), &poles);
             sums.iter_mut().zip(&found[0]).for_each(|(sum, amplitude)| *sum += 0.5 * amplitude.norm_sqr());
         }
         for (sum, stated) in sums.into_iter().zip(stated) {
