@@ -11,7 +11,7 @@ type C64 = Complex<f64>;
 
 /// Error of an amplitude that is allowed for beside the noise, as a share of it.
 pub(super) const OWN_ERROR: f64 = 0.006;
-/// Share by which the energies of modes grow, so that two modes in one place have finite variances.
+/// Share by which the energies of modes grow: two modes in one place have finite variances.
 const RIDGE: f64 = 1e-9;
 
 /// Change of all modes' amplitudes by a strike.

@@ -26,7 +26,7 @@ const COMPLETIONS: usize = 5;
 const PRUNINGS: usize = 6;
 /// Ratio to its cost of what a dropped part explained from which it is kept after all.
 ///
-/// What a part explains is judged as if its neighbourhood were a parabola.
+/// Worth is judged as if the energy about a fit were a parabola.
 const MOST_MISJUDGED: f64 = 20.0;
 /// Number of passes in a row that change no number of modes and strikes, and end them.
 const MOST_STALLED: usize = 2;

@@ -37,8 +37,9 @@ const LEAST_MODES: usize = 4;
 
 /// Starting models from the strikes near `onsets`, one for each contact time tried.
 ///
-/// The best fitting comes first. Gains are at first those of the strongest strike but `attempt`. Strikes that are not among the usable ones are left out, and those
-/// too close to their neighbours for an amplitude of their own.
+/// The best fitting comes first. Gains are at first those of the strongest strike but `attempt`.
+/// Strikes that are not among the usable ones are left out, and those too close to their neighbours
+/// for an amplitude of their own.
 pub(crate) fn starts(
     white: &White<'_>,
     (onsets, usable): (&[usize], &[usize]),
