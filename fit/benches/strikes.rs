@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p fit --bench strikes` prints medians over six seeds of three sets;
 //! `-- SEEDS FIRST` chooses the number of seeds and the first one, `-- SEEDS FIRST SET` one set of
-//! `plain`, `places` and `room`; `-- time` prints how time grows with the length.
+//! `plain`, `places` and `room`; `-- time` prints how time and memory grow with the length, and
+//! `-- time 30 1800` those of recordings of 30 s and of 30 minutes.
 
 use cpu_time::ProcessTime;
 use fit::modes::Settings;
@@ -162,10 +163,10 @@ impl Tally {
 
 fn main() {
     let words: Vec<String> = std::env::args().collect();
-    if words.iter().any(|word| word == "time") {
-        return growth();
-    }
     let numbers: Vec<u64> = words.iter().filter_map(|argument| argument.parse().ok()).collect();
+    if words.iter().any(|word| word == "time") {
+        return growth(if numbers.is_empty() { &[30, 60, 120] } else { &numbers });
+    }
     let seeds = numbers.first().copied().unwrap_or(6);
     let first = numbers.get(1).copied().unwrap_or(101);
     let seeds = first..first + seeds;
@@ -190,21 +191,34 @@ fn main() {
     }
 }
 
-/// Prints the CPU time of a plain recording, and that of one twice as long.
-fn growth() {
-    let seconds_of = |seconds: f64, count: usize| {
-        let sound = plain(101, seconds, count, -60.0);
+/// Prints CPU time and memory of plain recordings of 5 strikes in 3 s, of the given lengths in
+/// seconds: each twice as long as the one before tells how time grows.
+fn growth(lengths: &[u64]) {
+    let mut before: Option<f64> = None;
+    for &length in lengths {
+        let sound = plain(101, length as f64, (length * 5 / 3) as usize, -60.0);
         let start = ProcessTime::now();
         let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), |_| {});
         let taken = start.elapsed().as_secs_f64();
-        println!(
-            "{seconds} s, {count} strikes: {taken:.1} s of CPU time, {} strikes found",
-            fitted.map_or(0, |fit| fit.strikes.len())
-        );
-        taken
-    };
-    let (once, twice) = (seconds_of(30.0, 50), seconds_of(60.0, 100));
-    println!("twice as long takes {:.2} times", twice / once);
+        let outcome = match fitted {
+            Ok(fit) => format!("{} strikes of {} found", fit.strikes.len(), sound.strikes.len()),
+            Err(error) => error.to_string(),
+        };
+        let memory = peak_memory_mb().map_or(String::new(), |peak| {
+            let a_sample = (peak - 64.0) * 1e6 / sound.samples.len() as f64;
+            format!(", at most {peak:.0} MB of memory: 64 MB and {a_sample:.0} bytes a sample")
+        });
+        let growth = before.map_or(String::new(), |before| format!(", {:.2} times the one before", taken / before));
+        println!("{length} s: {taken:.1} s of CPU time{growth}{memory}; {outcome}");
+        before = Some(taken);
+    }
+}
+
+/// Largest resident memory of this process so far, in units of 10^6 bytes; `None` but on Linux.
+fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0 / 1e6)
 }
 
 /// Fits a set of sounds, and prints the errors.

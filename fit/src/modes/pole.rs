@@ -48,8 +48,17 @@ pub(crate) struct PowerBlock {
 impl PowerBlock {
     pub(crate) fn new(pole: Pole) -> Self {
         let mut block = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
-        for (n, (re, im)) in block.re.iter_mut().zip(&mut block.im).enumerate() {
-            Complex { re: *re, im: *im } = pole.power(n as f64);
+        block.re[0] = 1.0;
+        // Sines and exponentials cost far more than products: each half is the one before, turned.
+        let (mut turn, mut made) = (pole.power(1.0), 1);
+        while made < BLOCK {
+            let ((re, later_re), (im, later_im)) = (block.re.split_at_mut(made), block.im.split_at_mut(made));
+            for (((re, im), later_re), later_im) in re.iter().zip(im).zip(later_re).zip(later_im) {
+                *later_re = re * turn.re - *im * turn.im;
+                *later_im = re * turn.im + *im * turn.re;
+            }
+            turn *= turn;
+            made *= 2;
         }
         block
     }

@@ -6,10 +6,8 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use super::contact::strength;
 use super::equations::residual;
 use super::model::Model;
-use crate::modes::add_ringing;
 
 type C64 = Complex<f64>;
 
@@ -127,14 +125,6 @@ fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64,
     for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, &strike)) {
         let exponent = model.exponent(mode);
         let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
-        let inside = contact.first_sample().max(from as f64) as usize;
-        let free = contact.end_sample().max(from as f64) as usize;
-        let (first, last) = ((inside - from).min(samples.len()), (free - from).min(samples.len()));
-        for (n, x) in (inside..).zip(&mut samples[first..last]) {
-            *x += (gain * contact.response(exponent, n as f64).value).re;
-        }
-        // Behind the contact the mode rings freely.
-        let start = strength(exponent, contact.time).value * (exponent * (free as f64 - contact.middle)).exp();
-        add_ringing(model.poles[mode], gain * start, &mut samples[last..]);
+        contact.add_motion(exponent, gain, from, samples);
     }
 }

@@ -146,6 +146,14 @@ impl Arrow {
         Some(Factor { reach, lower, border, schur: Cholesky::new(schur)? })
     }
 
+    /// Covariance of the shared parameters with those of the band held, in units of the noise
+    /// variance.
+    ///
+    /// `None` if the shared equations alone are not definite.
+    pub(crate) fn held_shared_covariance(&self) -> Option<DMatrix<f64>> {
+        Some(Cholesky::new(self.corner.clone())?.inverse())
+    }
+
     /// Solution with a factor of these equations: parameters of the band, then the shared ones.
     pub(crate) fn solve(&self, factor: &Factor) -> (DVector<f64>, DVector<f64>) {
         let mut along = self.right.clone();
@@ -282,6 +290,9 @@ mod tests {
             assert!((shared[index] - expected[18 + index]).abs() < 1e-10);
             assert!((covariance[(index, index)] - inverse[(18 + index, 18 + index)]).abs() < 1e-10);
         }
+        let corner = plain.view((18, 18), (4, 4)).into_owned().try_inverse().expect("the equations are definite");
+        let held = arrow.held_shared_covariance().expect("the equations are definite");
+        assert!((held - corner).amax() < 1e-10);
         let held = plain.view((0, 0), (18, 18)).into_owned().try_inverse().expect("the equations are definite");
         for (block, variance) in factor.held_variances(3, 1).into_iter().enumerate() {
             assert!((variance - held[(3 * block + 1, 3 * block + 1)]).abs() < 1e-10);

@@ -84,8 +84,10 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
     let deviations = deviations(fitted, whitening)?;
     let mut model = fitted.model.clone();
     let logarithm = (fitted.residual.len() as f64).ln();
+    // With positions the scale of all gains is uncertain where that of all peaks is.
+    let gains = if model.places() > 1 { &deviations.held_gains } else { &deviations.gains };
     // The least spread of any place; a mode that strayed is worth nothing.
-    let spreads: Vec<f64> = (deviations.gains.iter().zip(&model.poles))
+    let spreads: Vec<f64> = (gains.iter().zip(&model.poles))
         .map(|(places, pole)| {
             let spread = places.iter().copied().fold(f64::INFINITY, f64::min);
             if pole.decay < STRAYED * fastest { spread } else { f64::INFINITY }

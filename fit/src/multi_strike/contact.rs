@@ -17,6 +17,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
+use crate::modes::{Pole, add_ringing};
+
 type C64 = Complex<f64>;
 
 /// A contact: the half-sine force of one strike.
@@ -50,6 +52,30 @@ impl Contact {
         let p = PI / self.time;
         let (sine, cosine) = (p * since).sin_cos();
         [sine, -p * cosine, cosine * (0.5 * p - p * since / self.time)]
+    }
+
+    /// Adds the motion of a mode of a gain to samples from `first` on, the peak being in the gain.
+    ///
+    /// Its exponentials turn from one sample to the next: three of them, not three a sample.
+    pub(crate) fn add_motion(&self, pole: C64, gain: C64, first: usize, samples: &mut [f64]) {
+        let index_of = |sample: f64| (sample.max(first as f64) as usize - first).min(samples.len());
+        let (begun, over) = (index_of(self.first_sample()), index_of(self.end_sample()));
+        let p = PI / self.time;
+        let since = |index: usize| (first + index) as f64 - self.middle + 0.5 * self.time;
+        let (during, behind) = samples.split_at_mut(over);
+        let mut ringing = (pole * since(begun)).exp();
+        let mut force = C64::new(0.0, p * since(begun)).exp();
+        let (turn, force_turn) = (pole.exp(), C64::new(0.0, p).exp());
+        let factor = gain / (pole * pole + p * p);
+        for x in &mut during[begun..] {
+            *x += (factor * (ringing * p - pole * force.im - p * force.re)).re;
+            ringing *= turn;
+            force *= force_turn;
+        }
+        if !behind.is_empty() {
+            let start = strength(pole, self.time).value * (pole * (since(over) - 0.5 * self.time)).exp();
+            add_ringing(Pole { decay: -pole.re, angular: pole.im }, gain * start, behind);
+        }
     }
 
     /// Motion of a mode at a sample under a force with a peak of 1, with its derivatives.
@@ -140,6 +166,21 @@ mod tests {
             sum *= last.max(0.0) / f64::from(steps) / 3.0;
             let value = contact.response(pole, sample).value;
             assert!((value - sum).norm() < 1e-8 * (1.0 + sum.norm()), "{value} {sum}");
+        }
+    }
+
+    #[test]
+    fn motion_written_out_is_the_response_at_each_sample() {
+        let mut random = SplitMix64(9);
+        for first in [0, 150, 190, 230, 300] {
+            let (contact, pole, _) = random_case(&mut random);
+            let gain = C64::new(random.normal(), random.normal());
+            let mut samples = vec![0.5; 250];
+            contact.add_motion(pole, gain, first, &mut samples);
+            for (n, x) in (first..).zip(&samples) {
+                let expected = 0.5 + (gain * contact.response(pole, n as f64).value).re;
+                assert!((x - expected).abs() < 1e-11 * (1.0 + expected.abs()), "{first} {n}: {x} {expected}");
+            }
         }
     }
 

@@ -199,6 +199,10 @@ pub(crate) struct Deviations {
     /// Peaks of all strikes together may be uncertain, as they are up to a function of the
     /// position, while each strike stands out.
     pub(crate) held_peaks: Vec<f64>,
+    /// Standard deviation of ln |g| of each gain with all strikes held.
+    ///
+    /// Gains of all modes together may be uncertain where peaks are, while each mode stands out.
+    pub(crate) held_gains: Vec<Vec<f64>>,
 }
 
 /// Cramer-Rao bounds of a model in its whitened residual, with that noise's rms.
@@ -219,22 +223,29 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
         held.row_mut(2).fill(0.0);
         held.column_mut(2).fill(0.0);
     }
-    let modes = 0..model.poles.len();
     let acceleration =
         if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
+    let held_shared = arrow.held_shared_covariance()? * variance;
+    Some(Deviations {
+        poles: (0..model.poles.len()).map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
+        gains: gain_spreads(model, &shared),
+        held_gains: gain_spreads(model, &held_shared),
+        acceleration,
+        strikes,
+        held_peaks: held.into_iter().map(|held| (held * variance).sqrt()).collect(),
+    })
+}
+
+/// Standard deviations of ln |g| of all gains for a covariance of the shared parameters.
+fn gain_spreads(model: &Model, shared: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let of_gain = |mode: usize, place: usize| {
         let (gain, first) = (model.gains[mode][place], model.gain_column(mode) + 2 * place);
         let direction = [gain.re / gain.norm_sqr(), gain.im / gain.norm_sqr()];
         let along = |a: usize, b: usize| direction[a] * direction[b] * shared[(first + a, first + b)];
         (along(0, 0) + 2.0 * along(0, 1) + along(1, 1)).sqrt()
     };
-    Some(Deviations {
-        poles: modes.clone().map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
-        gains: modes.map(|mode| (0..model.gains[mode].len()).map(|place| of_gain(mode, place)).collect()).collect(),
-        acceleration,
-        strikes,
-        held_peaks: held.into_iter().map(|held| (held * variance).sqrt()).collect(),
-    })
+    let of_mode = |mode: usize| (0..model.gains[mode].len()).map(|place| of_gain(mode, place)).collect();
+    (0..model.poles.len()).map(of_mode).collect()
 }
 
 #[cfg(test)]

@@ -60,13 +60,10 @@ fn subtract(model: &Model, segment: &Segment, amplitudes: &[C64], samples: &mut 
         let pole = model.poles[mode];
         add_ringing(pole, -amplitude, attack);
         let mut now = amplitude * pole.power(attack.len() as f64);
-        for strike in strikes {
-            for (n, x) in (segment.start..).zip(attack.iter_mut()) {
-                let effect = Effect::of(model, strike, mode, n as f64);
-                *x -= (effect.gain * effect.response.value).re;
-            }
+        for strike in strikes.iter().filter(|strike| model.rings(mode, strike)) {
             let effect = Effect::of(model, strike, mode, segment.free as f64);
             now += effect.gain * effect.response.value;
+            strike.contact.add_motion(model.exponent(mode), -effect.gain, segment.start, attack);
         }
         add_ringing(pole, -now, free);
     }

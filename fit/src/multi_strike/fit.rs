@@ -1,36 +1,22 @@
 //! The joint fit: from samples to modes, gains and contacts with their standard deviations.
 
-use rayon::prelude::*;
-
-use super::alignment::{aligned, alternatives};
+use super::amplitudes::{White, changes_of};
+use super::begin::{at_best_time, begun};
 use super::changes::changes;
 use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
+use super::equations::energy;
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
-use super::heard::{contradicts_sound, log_deviation, with_heard_times};
+use super::heard::{log_deviation, with_heard_peaks};
 use super::layout::Layout;
-use super::model::Model;
-use super::places::starts_at_places;
 use super::rises::rises;
-use super::start::{White, changes_of, starts};
 use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;
 
 /// Order of the whitening filter.
 const ORDER: usize = 12;
-/// Number of starting models whose contacts are aligned.
-const ALIGNED: usize = 14;
-/// Number of aligned models from which the descent begins.
-const DESCENDED: usize = 3;
-/// Ratio to the noise between strikes of what a model leaves from which no other start is tried.
-const EXPLAINED: f64 = 1.1;
-/// Energy in units of the noise by which a coarse descent may be worse than the best fit, and still
-/// be continued.
-const FAR_OFF: f64 = 50.0;
-/// Relative difference of what two starting models leave up to which they are one.
-const SAME: f64 = 1e-6;
 /// Maximum number of rounds of modes and strikes in turn.
 const ROUNDS: usize = 4;
 /// Time in seconds by which no strike moves in a round that ends them.
@@ -39,6 +25,10 @@ const SETTLED_S: f64 = 0.0025;
 const COMPLETIONS: usize = 5;
 /// Maximum number of times that modes and strikes are dropped in a pass.
 const PRUNINGS: usize = 6;
+/// Ratio to its cost of what a dropped part explained from which it is kept after all.
+///
+/// Worth is judged as if the energy about a fit were a parabola.
+const MOST_MISJUDGED: f64 = 20.0;
 /// Number of passes in a row that change no number of modes and strikes, and end them.
 const MOST_STALLED: usize = 2;
 /// Share of the recording's energy that is left from which nothing is explained: -6 dB.
@@ -104,6 +94,9 @@ pub(crate) fn fit(
     fitted = at_best_time(fitted, samples, &whitening);
     told(0.95);
     fitted = with_acceleration(fitted, samples, &whitening);
+    if fitted.model.contact_times_are_held {
+        fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
+    }
     fitted.model.normalise();
     let mut deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
     if fitted.model.contact_times_are_held {
@@ -130,7 +123,7 @@ fn between_strikes(
         .ok_or(StrikesError::TooFew { found: onsets.len() })?;
     for round in 0..ROUNDS {
         told((round as f64 + 1.0) / (ROUNDS as f64 + 1.0));
-        let white = filtered(samples, &free.whitening);
+        let white = free.whitening.filtered(samples, 0..samples.len());
         let changed: Vec<usize> =
             changes(&white, &free.poles, rate_hz, free.white_variance).into_iter().map(|change| change.0).collect();
         refuse_too_many(&changed, samples.len(), rate_hz)?;
@@ -181,68 +174,6 @@ pub(crate) fn is_clipped(samples: &[f64], onset: usize, rate_hz: f64, largest: f
 /// Time in seconds before and behind a strike's beginning in which it may be clipped.
 const CLIPPED_S: [f64; 2] = [0.003, 0.02];
 
-/// First fit, from the contacts of the usable strikes that explain the changes of amplitudes best.
-fn begun(
-    samples: &[f64],
-    free: &FreeModes,
-    (onsets, usable): (&[usize], &[usize]),
-    rate_hz: f64,
-    layout: Layout,
-    told: &dyn Fn(f64),
-) -> Result<Fitted, StrikesError> {
-    let starts = {
-        let whole = filtered(samples, &free.whitening);
-        let white = White { samples: &whole, whitening: &free.whitening, variance: free.white_variance };
-        if layout == Layout::default() {
-            starts(&white, (onsets, usable), &free.poles, rate_hz)
-        } else {
-            let mut changes = changes_of(&white, onsets, &free.poles, rate_hz);
-            changes.retain(|change| usable.contains(&change.at));
-            starts_at_places(&changes, &free.poles, rate_hz, layout)
-        }
-    };
-    told(0.2);
-    let (best, is_explained) = nearest(&starts, samples, free.variance, rate_hz, &|share| told(0.2 + 0.4 * share))
-        .ok_or(StrikesError::TooFew { found: 0 })?;
-    if is_explained || layout != Layout::default() || !contradicts_sound(&best.model, samples, rate_hz) {
-        return Ok(at_best_time(best, samples, &Whitening::none()));
-    }
-    let starts: Vec<Model> = starts.iter().filter_map(|start| with_heard_times(start, samples, rate_hz)).collect();
-    let held = nearest(&starts, samples, free.variance, rate_hz, &|share| told(0.6 + 0.4 * share));
-    let best = held.map_or(best, |held| held.0);
-    Ok(at_best_time(best, samples, &Whitening::none()))
-}
-
-/// The best descent of starting models, and whether it explains all but the noise.
-fn nearest(
-    starts: &[Model],
-    samples: &[f64],
-    variance: f64,
-    rate_hz: f64,
-    told: &dyn Fn(f64),
-) -> Option<(Fitted, bool)> {
-    let mut aligned: Vec<(f64, Model)> =
-        starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
-    aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Trials that ended in one model.
-    aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
-    told(0.5);
-    let none = Whitening::none();
-    let mut best: Option<Fitted> = None;
-    for (index, (_, start)) in aligned.into_iter().take(DESCENDED).enumerate() {
-        let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
-        let is_good = done.noise_rms().powi(2) < EXPLAINED * variance;
-        if best.as_ref().is_none_or(|best| done.energy < best.energy) {
-            best = Some(done);
-        }
-        told(0.5 + 0.15 * (index as f64 + 1.0));
-        if is_good {
-            return best.map(|best| (best, true));
-        }
-    }
-    best.map(|best| (best, false))
-}
-
 /// The fit with what it lacks and without what explains too little, and the filter of its noise.
 fn with_all(
     first: Fitted,
@@ -268,7 +199,12 @@ fn with_all(
             if kept == fitted.model {
                 break;
             }
-            fitted = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
+            let least = MOST_MISJUDGED * (fitted.model.size() - kept.size()) as f64 * (samples.len() as f64).ln();
+            let pruned = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
+            if pruned.energy > fitted.energy + least * fitted.noise_rms().powi(2) {
+                break;
+            }
+            fitted = pruned;
         }
         told((pass as f64 + 1.0) / COMPLETIONS as f64);
         let is_stalled = before == (fitted.model.poles.len(), fitted.model.strikes.len());
@@ -280,10 +216,6 @@ fn with_all(
     Ok((fitted, whitening))
 }
 
-fn filtered(samples: &[f64], whitening: &Whitening) -> Vec<f64> {
-    whitening.filtered(samples, 0..samples.len())
-}
-
 /// The fit with strikers told apart by its contacts, and with their own modes.
 fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
     if layout.strikers < 2 {
@@ -292,27 +224,16 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
     let model = &fitted.model;
     let onsets: Vec<usize> =
         model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
-    let whole = filtered(samples, whitening);
+    let whole = whitening.filtered(samples, 0..samples.len());
     let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
     let changes = changes_of(&white, &onsets, &model.poles, rate_hz);
     let next = assigned(model, &changes, layout.strikers, layout.positions, rate_hz);
-    if next == *model { fitted } else { Fitted::new(next, samples, whitening) }
-}
-
-/// The best of a fit and of those with all contacts at another time.
-fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
-    let mut best = fitted;
-    for other in alternatives(&best.model, &best.residual) {
-        let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::COARSE);
-        if other.energy > best.energy + FAR_OFF * best.noise_rms().powi(2) {
-            continue;
-        }
-        let other = descend(other, samples, whitening, Ending::FINE);
-        if other.energy < best.energy {
-            best = other;
-        }
+    if next == *model {
+        return fitted;
     }
-    best
+    let other = Fitted::new(next, samples, whitening);
+    // Gains told by few strikes may be wrong by any factor.
+    if other.energy < energy(samples, whitening) { other } else { fitted }
 }
 
 /// The fit with acceleration sound, if that explains more than its number costs.

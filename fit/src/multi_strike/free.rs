@@ -260,12 +260,6 @@ fn pruned(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, range: SearchR
     }
 }
 
-/// Energy `Σ |z|²ⁿ` of a mode in a stretch.
-pub(crate) fn energy_of(pole: Pole, length: usize) -> f64 {
-    let twice = 2.0 * pole.decay;
-    (1.0 - (-twice * length as f64).exp()) / (1.0 - (-twice).exp())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

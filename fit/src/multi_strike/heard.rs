@@ -3,10 +3,14 @@
 //! Where a thing is struck a little elsewhere each time, its modes' amplitudes differ from strike to
 //! strike, and a fit with one place takes that for other contact times: on an impact hammer's
 //! strikes it ended at twelve times the measured one. The spectrum of each strike tells them to a
-//! fifth ([`crate::contact`]), and they are held there.
+//! fifth ([`crate::contact`]), and they are held there. Peaks follow from the energy behind each
+//! strike.
 
-use super::contact::Contact;
+use super::amplitudes::{White, changes_of};
+use super::contact::{Contact, strength};
+use super::descend::Fitted;
 use super::model::{Model, Strike};
+use super::whitening::Whitening;
 use crate::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
 
 /// Width at half maximum of a half-sine, as a share of its length.
@@ -34,6 +38,30 @@ pub(crate) fn with_heard_times(model: &Model, samples: &[f64], rate_hz: f64) -> 
         strike.contact = Contact { time, ..strike.contact };
     }
     Some(held)
+}
+
+/// The fit with peaks by which each strike's modes have the energy that is heard behind it.
+///
+/// Strikes at several places ring the modes in other proportions than their common gains, so that a
+/// fit of amplitudes finds too little in them.
+pub(crate) fn with_heard_peaks(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64) -> Fitted {
+    let mut model = fitted.model.clone();
+    let onsets: Vec<usize> =
+        model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+    let whole = whitening.filtered(samples, 0..samples.len());
+    let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
+    for change in changes_of(&white, &onsets, &model.poles, rate_hz) {
+        let Some(index) = onsets.iter().position(|onset| *onset == change.at) else { continue };
+        let Strike { contact, position, .. } = model.strikes[index];
+        let own = |mode: usize| model.gain(mode, position) * strength(model.exponent(mode), contact.time).value;
+        let modelled: f64 = (0..model.poles.len()).map(|mode| own(mode).norm_sqr()).sum();
+        let heard =
+            change.amplitudes.iter().zip(&change.variances).map(|(a, variance)| a.norm_sqr() - variance).sum::<f64>();
+        if heard > 0.0 && modelled > 0.0 {
+            model.strikes[index].contact.peak = (heard / modelled).sqrt();
+        }
+    }
+    Fitted::new(model, samples, whitening)
 }
 
 /// Standard deviation of the logarithm of a contact time that is heard; `None` if the strike is too

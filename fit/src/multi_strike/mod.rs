@@ -14,7 +14,9 @@
 //! one fits many strikes.
 
 mod alignment;
+mod amplitudes;
 mod arrow;
+mod begin;
 mod changes;
 mod completion;
 mod contact;
@@ -30,6 +32,8 @@ mod heard;
 mod layout;
 mod model;
 mod places;
+#[cfg(test)]
+mod random_strikes;
 mod ringing;
 mod rises;
 mod seriation;

@@ -12,12 +12,13 @@ use std::f64::consts::TAU;
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::amplitudes::Change;
 use super::contact::{Contact, strength};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::seriation;
 use super::spline::Weights;
-use super::start::{Change, grid};
+use super::start::{grid, strongest_but};
 use super::strikers::assigned;
 use super::timing::{Turned, timed, turned};
 use crate::modes::Pole;
@@ -47,15 +48,23 @@ struct Trial {
 }
 
 /// Starting models from changes of amplitudes, one for each contact time tried, the best first.
-pub(crate) fn starts_at_places(changes: &[Change], poles: &[Pole], rate_hz: f64, layout: Layout) -> Vec<Model> {
+///
+/// Times and levels begin from the strongest strike but `attempt`.
+pub(crate) fn starts_at_places(
+    changes: &[Change],
+    poles: &[Pole],
+    rate_hz: f64,
+    layout: Layout,
+    attempt: usize,
+) -> Vec<Model> {
     let exponents: Vec<C64> = poles.iter().map(|pole| C64::new(-pole.decay, pole.angular)).collect();
-    let Some((shifts, phases)) = timed(changes, &exponents, rate_hz) else { return Vec::new() };
+    let Some((shifts, phases)) = timed(changes, &exponents, rate_hz, attempt) else { return Vec::new() };
     let turned: Vec<Turned> =
         changes.iter().zip(&shifts).map(|(change, shift)| turned(change, *shift, &exponents, &phases)).collect();
     let loudness =
         |strike: &Turned| strike.values.iter().zip(&strike.variances).map(|(x, v)| (1.0 + x * x / v).ln()).sum::<f64>();
-    let strongest = (0..turned.len()).max_by(|a, b| loudness(&turned[*a]).total_cmp(&loudness(&turned[*b])));
-    let strongest = strongest.unwrap_or(0);
+    let all: Vec<f64> = turned.iter().map(loudness).collect();
+    let Some(strongest) = strongest_but(&all, attempt) else { return Vec::new() };
     let search =
         Search { changes, turned: &turned, shifts: &shifts, phases: &phases, poles, exponents, rate_hz, layout };
     let mut found: Vec<(f64, Model)> =

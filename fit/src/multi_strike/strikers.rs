@@ -2,10 +2,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::amplitudes::Change;
 use super::contact::strength;
 use super::model::{Model, Strike};
 use super::spline::Weights;
-use super::start::Change;
 
 type C64 = Complex<f64>;
 
@@ -15,6 +15,10 @@ const SLOPE: f64 = -1.0 / 6.0;
 const ROUNDS: usize = 30;
 /// Error of a modelled amplitude that is allowed for beside its own, as a share of it.
 const MODEL_ERROR: f64 = 0.1;
+/// Largest decay of a mode, in nepers, over the time in which a contact is looked for.
+///
+/// The amplitude of a faster mode behind a contact is not told by what is left of it later.
+const MOST_FADED: f64 = 3.0;
 /// Time in samples from a change to the strike that made it, at most, as a share of the rate.
 const NEAR_S: f64 = 0.008;
 
@@ -58,7 +62,8 @@ pub(crate) fn assigned(model: &Model, changes: &[Change], count: usize, places: 
     let owned: Vec<(Option<usize>, Vec<C64>)> =
         (0..model.poles.len()).map(|mode| owner(&pairs, mode, model.exponent(mode), count, places)).collect();
     for (mode, (owner, gains)) in owned.into_iter().enumerate() {
-        if owner != assigned.owners[mode] {
+        let is_told = model.poles[mode].decay * NEAR_S * rate_hz < MOST_FADED;
+        if is_told && owner != assigned.owners[mode] {
             (assigned.owners[mode], assigned.gains[mode]) = (owner, gains);
         }
     }
@@ -139,7 +144,7 @@ fn along_object(seen: &[(C64, C64, f64, &Strike)], places: usize) -> (Vec<C64>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi_strike::start::{White, changes_of};
+    use crate::multi_strike::amplitudes::{White, changes_of};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
     use crate::multi_strike::whitening::Whitening;

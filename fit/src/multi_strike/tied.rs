@@ -12,13 +12,16 @@ use std::ops::Range;
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use super::contact::{Contact, strength};
+use super::contact::Contact;
 use super::free::search_range;
 use super::model::{Model, segments};
 use crate::modes::{Candidate, NoiseFloor, Pole, Settings, standing_out};
 use crate::parabola;
 
 type C64 = Complex<f64>;
+
+/// Number of frequencies whose amplitudes follow from the first one's by turning it.
+const RUN: usize = 1024;
 
 /// Maximum number of stretches that are searched, those behind the strongest strikes.
 const MOST_STRETCHES: usize = 24;
@@ -79,16 +82,79 @@ fn peaks(behind: &[Behind], residual: &[f64], decay: f64) -> Vec<(f64, Pole)> {
             continue;
         }
         let since = stretch.start as f64 - contact.middle;
-        (along.par_iter_mut().zip(&mut sizes).zip(&output)).with_min_len(1024).enumerate().for_each(
-            |(index, ((along, size), sum))| {
-                let exponent = C64::new(-decay, bin * index as f64);
-                let amplitude = strength(exponent, contact.time).value * (exponent * since).exp() * contact.peak;
-                *along += amplitude.conj() * sum;
-                *size += amplitude.norm_sqr() * energy;
+        (along.par_chunks_mut(RUN).zip(sizes.par_chunks_mut(RUN)).zip(output.par_chunks(RUN)).enumerate()).for_each(
+            |(run, ((along, sizes), sums))| {
+                let amplitudes = Amplitudes::new(contact, since, decay, bin, run * RUN);
+                for (((along, size), sum), amplitude) in along.iter_mut().zip(sizes).zip(sums).zip(amplitudes) {
+                    *along += amplitude.conj() * sum;
+                    *size += amplitude.norm_sqr() * energy;
+                }
             },
         );
     }
     let power: Vec<f64> =
         along.iter().zip(&sizes).map(|(along, size)| 2.0 * along.norm_sqr() / size.max(1e-300)).collect();
     parabola::peaks(&power).map(|(place, power)| (power, Pole { decay, angular: bin * place })).collect()
+}
+
+/// Amplitudes behind a contact of modes of gain 1 and one decay, at evenly spaced frequencies.
+///
+/// They are `m Q(s, τ) e^{st}` (`super::contact`), whose exponentials turn by a constant angle from
+/// one frequency to the next.
+struct Amplitudes {
+    exponent: C64,
+    /// `e^{sτ/2}`, `e^{-sτ/2}` and `e^{st}`.
+    powers: [C64; 3],
+    /// Factors of the powers from one frequency to the next.
+    turns: [C64; 3],
+    step: f64,
+    p: f64,
+    peak: f64,
+}
+
+impl Amplitudes {
+    /// Amplitudes `since` samples behind the contact's middle, from the frequency `first` on in
+    /// steps of `step` radians per sample.
+    fn new(contact: &Contact, since: f64, decay: f64, step: f64, first: usize) -> Self {
+        let exponent = C64::new(-decay, step * first as f64);
+        let times = [0.5 * contact.time, -0.5 * contact.time, since];
+        Self {
+            exponent,
+            powers: times.map(|time| (exponent * time).exp()),
+            turns: times.map(|time| C64::new(0.0, step * time).exp()),
+            step,
+            p: PI / contact.time,
+            peak: contact.peak,
+        }
+    }
+}
+
+impl Iterator for Amplitudes {
+    type Item = C64;
+
+    fn next(&mut self) -> Option<C64> {
+        let [grown, shrunk, ringing] = self.powers;
+        let below = self.exponent * self.exponent + self.p * self.p;
+        let amplitude = (grown + shrunk) * ringing * (self.p * self.peak) / below;
+        self.powers.iter_mut().zip(&self.turns).for_each(|(power, turn)| *power *= turn);
+        self.exponent.im += self.step;
+        Some(amplitude)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::contact::strength;
+
+    #[test]
+    fn amplitudes_at_all_frequencies_are_those_of_the_contact() {
+        let contact = Contact { middle: 50.0, time: 31.7, peak: 0.3 };
+        let (decay, step, since) = (2e-3, 1e-3, 4321.5);
+        for (index, amplitude) in Amplitudes::new(&contact, since, decay, step, 500).take(RUN).enumerate() {
+            let s = C64::new(-decay, step * (500 + index) as f64);
+            let expected = strength(s, contact.time).value * (s * since).exp() * contact.peak;
+            assert!((amplitude - expected).norm() < 1e-10 * expected.norm() + 1e-18, "{index}: {amplitude} {expected}");
+        }
+    }
 }

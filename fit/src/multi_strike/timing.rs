@@ -6,7 +6,8 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use super::start::{Change, REACH_S};
+use super::amplitudes::Change;
+use super::start::{REACH_S, strongest_but};
 
 type C64 = Complex<f64>;
 
@@ -22,11 +23,17 @@ pub(super) struct Turned {
 }
 
 /// Time of each contact's middle behind its moment, and the phase of each mode.
-pub(super) fn timed(changes: &[Change], exponents: &[C64], rate_hz: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+///
+/// The phases begin as those of the strike of most energy but `attempt`.
+pub(super) fn timed(
+    changes: &[Change],
+    exponents: &[C64],
+    rate_hz: f64,
+    attempt: usize,
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let doubled: Vec<Vec<C64>> = changes.iter().map(doubled).collect();
-    let size = |strike: &Vec<C64>| strike.iter().map(|x| x.norm()).sum::<f64>();
-    let first = doubled.iter().max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let mut phases: Vec<C64> = first.clone();
+    let sizes: Vec<f64> = doubled.iter().map(|strike| strike.iter().map(|x| x.norm()).sum()).collect();
+    let mut phases: Vec<C64> = doubled[strongest_but(&sizes, attempt)?].clone();
     let mut shifts = vec![0.0; changes.len()];
     let steps = ((REACH_S[0] + REACH_S[1]) * rate_hz / STEP) as usize;
     for _ in 0..TIMING_ROUNDS {

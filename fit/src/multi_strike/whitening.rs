@@ -49,8 +49,13 @@ impl Whitening {
 
     /// Filtered samples of a range; there is silence before the first sample.
     pub(crate) fn filtered(&self, samples: &[f64], range: Range<usize>) -> Vec<f64> {
-        let at = |n: usize| self.0.iter().enumerate().take(n + 1).map(|(back, w)| w * samples[n - back]).sum();
-        range.map(at).collect()
+        let mut filtered = vec![0.0; range.len()];
+        for (back, w) in self.0.iter().enumerate() {
+            let silent = back.saturating_sub(range.start).min(range.len());
+            let delayed = &samples[(range.start + silent).saturating_sub(back)..];
+            filtered[silent..].iter_mut().zip(delayed).for_each(|(sum, x)| *sum += w * x);
+        }
+        filtered
     }
 
     /// Filtered rows without the first `history` ones; there is silence before the first row.

@@ -153,7 +153,7 @@ fn strikes(random: &mut SplitMix64, seconds: f64, count: usize) -> Vec<TrueStrik
     strikes
 }
 
-fn render(
+pub(super) fn render(
     mut modes: Vec<TrueMode>,
     strikes: Vec<TrueStrike>,
     seconds: f64,
@@ -183,7 +183,7 @@ fn render(
 ///
 /// With `p = π/τ` the motion under `sin pt` is the steady response to it plus a free decay:
 /// `Im[H (e^{jpt} - e^{st})]` for each of the two parts of the sine.
-fn add_response(mode: &TrueMode, strike: &TrueStrike, samples: &mut [f64]) {
+pub(super) fn add_response(mode: &TrueMode, strike: &TrueStrike, samples: &mut [f64]) {
     let (decay, angular) = (mode.decay_per_s, TAU * mode.frequency_hz);
     let p = PI / strike.contact_time_s;
     // ∫ sin(pu) e^{-d(t-u)} e^{jω(t-u)} du from 0 to `to`, by the antiderivatives of both parts.
