@@ -149,9 +149,12 @@ impl Arrow {
     /// Covariance of the shared parameters with those of the band held, in units of the noise
     /// variance.
     ///
-    /// `None` if the shared equations alone are not definite.
-    pub(crate) fn held_shared_covariance(&self) -> Option<DMatrix<f64>> {
-        Some(Cholesky::new(self.corner.clone())?.inverse())
+    /// Each diagonal element grows by the share `damping`. `None` if the shared equations alone are
+    /// not definite then.
+    pub(crate) fn held_shared_covariance(&self, damping: f64) -> Option<DMatrix<f64>> {
+        let mut corner = self.corner.clone();
+        (0..corner.nrows()).for_each(|index| corner[(index, index)] *= 1.0 + damping);
+        Some(Cholesky::new(corner)?.inverse())
     }
 
     /// Solution with a factor of these equations: parameters of the band, then the shared ones.
@@ -291,7 +294,7 @@ mod tests {
             assert!((covariance[(index, index)] - inverse[(18 + index, 18 + index)]).abs() < 1e-10);
         }
         let corner = plain.view((18, 18), (4, 4)).into_owned().try_inverse().expect("the equations are definite");
-        let held = arrow.held_shared_covariance().expect("the equations are definite");
+        let held = arrow.held_shared_covariance(0.0).expect("the equations are definite");
         assert!((held - corner).amax() < 1e-10);
         let held = plain.view((0, 0), (18, 18)).into_owned().try_inverse().expect("the equations are definite");
         for (block, variance) in factor.held_variances(3, 1).into_iter().enumerate() {

@@ -51,7 +51,9 @@ pub(super) fn begun(
         if best.as_ref().is_none_or(|best| next.energy < best.energy) {
             best = Some(next);
         }
-        if best.as_ref().is_some_and(|best| best.noise_rms().powi(2) < POOR * free.variance) {
+        // What clipped strikes ring no start explains.
+        let is_fair = |best: &Fitted| best.noise_rms().powi(2) < POOR * free.variance;
+        if usable.len() < onsets.len() || best.as_ref().is_some_and(is_fair) {
             break;
         }
     }

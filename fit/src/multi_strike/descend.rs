@@ -225,7 +225,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     }
     let acceleration =
         if model.acceleration == 0.0 { 0.0 } else { shared[(shared.nrows() - 1, shared.nrows() - 1)].sqrt() };
-    let held_shared = arrow.held_shared_covariance()? * variance;
+    let held_shared = arrow.held_shared_covariance(UNTOLD).map_or_else(|| shared.clone(), |held| held * variance);
     Some(Deviations {
         poles: (0..model.poles.len()).map(|mode| [2 * mode, 2 * mode + 1].map(|at| shared[(at, at)].sqrt())).collect(),
         gains: gain_spreads(model, &shared),

@@ -25,10 +25,10 @@ const SETTLED_S: f64 = 0.0025;
 const COMPLETIONS: usize = 5;
 /// Maximum number of times that modes and strikes are dropped in a pass.
 const PRUNINGS: usize = 6;
-/// Ratio to its cost of what a dropped part explained from which it is kept after all.
+/// Ratio by which dropped parts may let what is left grow; they are kept where it grows more.
 ///
 /// Worth is judged as if the energy about a fit were a parabola.
-const MOST_MISJUDGED: f64 = 20.0;
+const MOST_GROWN: f64 = 2.0;
 /// Number of passes in a row that change no number of modes and strikes, and end them.
 const MOST_STALLED: usize = 2;
 /// Share of the recording's energy that is left from which nothing is explained: -6 dB.
@@ -199,9 +199,8 @@ fn with_all(
             if kept == fitted.model {
                 break;
             }
-            let least = MOST_MISJUDGED * (fitted.model.size() - kept.size()) as f64 * (samples.len() as f64).ln();
             let pruned = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
-            if pruned.energy > fitted.energy + least * fitted.noise_rms().powi(2) {
+            if pruned.energy > MOST_GROWN * fitted.energy {
                 break;
             }
             fitted = pruned;

@@ -94,11 +94,6 @@ impl Model {
         2 * self.poles.len() + 2 * self.gains.iter().map(Vec::len).sum::<usize>() + 1
     }
 
-    /// Number of all parameters.
-    pub(crate) fn size(&self) -> usize {
-        self.shared_size() + self.strikes.len() * self.strike_size()
-    }
-
     /// Index of the first gain of a mode among the shared parameters.
     pub(crate) fn gain_column(&self, mode: usize) -> usize {
         2 * self.poles.len() + 2 * self.gains[..mode].iter().map(Vec::len).sum::<usize>()
