@@ -110,6 +110,9 @@ impl Tally {
         let ratio = |truth: &TrueStrike, strike: &StrikeEstimate| 20.0 * (strike.peak_force / truth.peak_force).log10();
         let ratios: Vec<f64> = pairs.iter().map(|(truth, strike, _)| ratio(truth, strike)).collect();
         let unit_db = quantile(&ratios, 0.5);
+        let late: Vec<f64> =
+            pairs.iter().map(|(truth, strike, _)| 1e6 * (strike.middle_s - truth.middle_s())).collect();
+        eprintln!("  all middles are late by {:+.2} µs together", quantile(&late, 0.5));
         for (truth, strike, bound) in pairs {
             self.striker_right += usize::from(truth.striker == strike.striker);
             self.middle_us.add(

@@ -282,8 +282,7 @@ mod tests {
             let mut random = SplitMix64(seed);
             let model = random_model(&mut random, places, strikers);
             let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
-            let whitening =
-                if seed == 2 { Whitening::fading(0.01) } else { Whitening::of_residual(&samples, 5) };
+            let whitening = if seed == 2 { Whitening::fading(0.01) } else { Whitening::of_residual(&samples, 5) };
             let fitted = Fitted::new(model.clone(), &samples, &whitening);
             let arrow = equations(&model, &fitted.residual, &whitening, 0.0);
             let (along, shared) = arrow.right_sides();

@@ -166,8 +166,10 @@ fn between_strikes(
     for round in 0..ROUNDS {
         told((round as f64 + 1.0) / (ROUNDS as f64 + 1.0));
         let white = filtered(samples, &free.whitening);
-        let changed: Vec<usize> =
-            changes(&white, &free.poles, rate_hz, free.white_variance, 0.0).into_iter().map(|change| change.0).collect();
+        let changed: Vec<usize> = changes(&white, &free.poles, rate_hz, free.white_variance, 0.0)
+            .into_iter()
+            .map(|change| change.0)
+            .collect();
         refuse_too_many(&changed, samples.len(), rate_hz)?;
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);

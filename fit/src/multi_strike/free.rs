@@ -9,7 +9,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::whitening::Whitening;
-use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, project, refine, standing_out};
+use crate::modes::{
+    Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, project, refine, standing_out,
+};
 use crate::parabola;
 
 /// Time in seconds in which a contact lies, about the moment near which it was found.
@@ -341,8 +343,16 @@ mod tests {
     fn poles_of_all_loud_modes_are_found_between_strikes() {
         let sound = plain(2, 5.0, 8, -60.0);
         let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
-        let found = free_modes(&sound.samples, &onsets, Guard::OF_CHANGE, sound.rate_hz, Settings::default(), &[], Surroundings::Dry)
-            .map_or(Vec::new(), |free| free.poles);
+        let found = free_modes(
+            &sound.samples,
+            &onsets,
+            Guard::OF_CHANGE,
+            sound.rate_hz,
+            Settings::default(),
+            &[],
+            Surroundings::Dry,
+        )
+        .map_or(Vec::new(), |free| free.poles);
         let cents = |mode: &crate::multi_strike::synthetic::TrueMode| {
             let distance = |pole: &Pole| (1200.0 * (pole.frequency_hz(sound.rate_hz) / mode.frequency_hz).log2()).abs();
             found.iter().map(distance).fold(f64::INFINITY, f64::min)

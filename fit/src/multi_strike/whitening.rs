@@ -143,7 +143,10 @@ mod tests {
             })
             .collect();
         let filter = Whitening::of_residual(&noise, 4);
-        assert!((filter.filter[1] + 0.9).abs() < 0.01 && filter.filter[2..].iter().all(|w| w.abs() < 0.02), "{filter:?}");
+        assert!(
+            (filter.filter[1] + 0.9).abs() < 0.01 && filter.filter[2..].iter().all(|w| w.abs() < 0.02),
+            "{filter:?}"
+        );
         let white = filter.filtered(&noise, 0..noise.len());
         let energy: f64 = white.iter().map(|x| x * x).sum::<f64>() / 1e5;
         assert!((energy - 1.0).abs() < 0.02, "{energy}");

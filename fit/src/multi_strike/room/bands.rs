@@ -32,6 +32,9 @@ const ENDING: Ending = Ending { steps: 6, gain: 1e-2, ridge: 0.0 };
 /// Largest standard deviation of ln T60 of an octave that counts.
 const TOLD: f64 = 0.5;
 
+/// Largest gain of an octave in dB; what is louder is a mode that was not found.
+const LOUDEST_DB: f64 = 0.0;
+
 /// The room that an answer tells, and deviations that it causes in the modes.
 #[derive(Clone, Debug)]
 pub(crate) struct Told {
@@ -83,11 +86,12 @@ pub(crate) fn told_of(found: &InRoom, rate_hz: f64) -> Option<Told> {
             let of_time = spread(|found| found.place, nearest as f64)? * RATIO.ln();
             let of_gain = spread(|found| 10.0 * found.factor.log10(), 0.0)?;
             let time_s = SHORTEST_S * RATIO.powf(found.place);
-            (of_time < TOLD).then(|| RoomBandEstimate {
+            let gain_db = 10.0 * (DRAWN * found.factor).log10();
+            (of_time < TOLD && gain_db < LOUDEST_DB).then(|| RoomBandEstimate {
                 edges_hz: heard.curves.edges_hz(band),
                 t60_s: time_s,
                 t60_s_sd: of_time * time_s,
-                gain_db: 10.0 * (DRAWN * found.factor).log10(),
+                gain_db,
                 gain_db_sd: of_gain,
             })
         })

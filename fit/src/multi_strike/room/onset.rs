@@ -5,10 +5,11 @@
 //! all contacts. The room's answer grows from nothing within some tens of ms: the samples just
 //! behind the contacts tell gains and common time without it.
 
+use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::super::alignment::aligned;
-use super::super::descend::{Ending, Fitted, descend};
+use super::super::descend::Fitted;
 use super::super::free::FreeModes;
 use super::super::model::Model;
 use super::super::start::{White, starts};
@@ -17,9 +18,22 @@ use super::super::whitening::Whitening;
 /// Time in seconds in which the weights of samples behind a contact fall to 1/e.
 const FADING_S: f64 = 0.010;
 /// Reach of the common time on either side, in seconds.
-const REACH_S: f64 = 1.5e-4;
+const REACH_S: f64 = 1e-3;
 /// Steps of the common time in samples, each smaller one about the best of the last.
-const STEPS: [f64; 3] = [1.0, 0.25, 0.0625];
+const STEPS: [f64; 4] = [2.0, 0.5, 0.25, 0.0625];
+/// Variance of a gain's real and of its imaginary part by a room, relative to the gain squared.
+const TURNED: f64 = 0.03;
+
+/// A common time of all contacts in samples, with the gains that fit it.
+#[derive(Clone, Debug)]
+struct Trial {
+    shift: f64,
+    /// Energy that is left, with what the gains' changes cost.
+    misfit: f64,
+    /// Energy that is left.
+    left: f64,
+    model: Model,
+}
 
 /// The model of the strikes near `onsets`, with gains from the samples just behind contacts.
 ///
@@ -34,21 +48,40 @@ pub(crate) fn first_model(
     let white = White { samples: &whole, whitening: &free.whitening, variance: free.white_variance };
     let start = starts(&white, (onsets, usable), &free.poles, rate_hz).into_iter().next()?;
     let start = aligned(&start, samples, rate_hz).1;
-    let fading = Whitening::fading(1.0 / (FADING_S * rate_hz));
-    let at = |shift: f64| {
-        let later = later(&start, shift);
-        descend(Fitted::new(later, samples, &fading), samples, &fading, Ending { steps: 4, gain: 1.0 })
-    };
-    let mut tried: Vec<(f64, Fitted)> = vec![(0.0, at(0.0))];
-    for step in STEPS {
-        let best = tried.first().map_or(0.0, |(shift, _)| *shift);
-        let count = if tried.len() > 1 { 3 } else { (REACH_S * rate_hz / step) as i32 };
-        let shifts: Vec<f64> =
-            (-count..=count).filter(|index| *index != 0).map(|index| best + f64::from(index) * step).collect();
-        tried.extend(shifts.into_par_iter().map(|shift| (shift, at(shift))).collect::<Vec<_>>());
-        tried.sort_by(|a, b| a.1.energy.total_cmp(&b.1.energy));
+    let mut best = trial(&start, 0.0, 0.0, samples, rate_hz)?;
+    for (index, step) in STEPS.into_iter().enumerate() {
+        let count = if index == 0 { (REACH_S * rate_hz / step) as i32 } else { 3 };
+        let (middle, noise) = (best.shift, best.left / (0.5 * FADING_S * rate_hz));
+        let tried: Vec<Trial> = (-count..=count)
+            .into_par_iter()
+            .filter_map(|index| trial(&start, middle + f64::from(index) * step, noise, samples, rate_hz))
+            .collect();
+        best = tried.into_iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
     }
-    tried.into_iter().next().map(|(_, fitted)| fitted)
+    Some(Fitted::new(best.model, samples, &Whitening::none()))
+}
+
+/// The start with all contacts later by `shift`, and the gains that then fit the first ms.
+///
+/// The room turns gains by a share that is known, so that they are tied to those of the start. All
+/// strikes have one answer in common: it is noise of one strike alone, of the variance `noise`.
+fn trial(start: &Model, shift: f64, noise: f64, samples: &[f64], rate_hz: f64) -> Option<Trial> {
+    let fading = Whitening::fading(1.0 / (FADING_S * rate_hz));
+    let fitted = Fitted::new(later(start, shift), samples, &fading);
+    let mut arrow = fitted.equations(&fading);
+    let mut model = fitted.model;
+    for mode in 0..model.poles.len() {
+        let weight = noise / (TURNED * model.gains[mode][0].norm_sqr());
+        (0..2).for_each(|part| arrow.tie_shared(model.gain_column(mode) + part, weight));
+    }
+    let step = arrow.solve(&arrow.factor(0.0)?);
+    let misfit = fitted.energy - arrow.promise(&step);
+    for mode in 0..model.poles.len() {
+        let first = model.gain_column(mode);
+        model.gains[mode][0] += Complex::new(step.1[first], step.1[first + 1]);
+    }
+    let left = Fitted::new(model, samples, &fading);
+    Some(Trial { shift, misfit, left: left.energy, model: left.model })
 }
 
 /// The model with all contacts later by `shift` samples, and gains with which it rings alike.

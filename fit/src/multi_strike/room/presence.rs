@@ -28,15 +28,16 @@ pub(crate) fn in_a_room(
 ) -> Option<(FreeModes, Vec<usize>)> {
     let settings = Settings { most_modes: settings.most_modes.min(MOST_MODES), ..settings };
     let (mut free, mut onsets) = (first.clone(), Vec::new());
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         if free.wandering < WANDERING || free.poles.is_empty() {
             return None;
         }
         let white = free.whitening.filtered(samples, 0..samples.len());
         let found = changes(&white, &free.poles, rate_hz, free.white_variance, CHANGE);
         onsets = found.into_iter().map(|(at, _)| at).collect();
-        free =
-            free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, &free.poles, Surroundings::Room)?;
+        // The first search took the room's answer for modes.
+        let known = if round == 0 { &[] } else { free.poles.as_slice() };
+        free = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, known, Surroundings::Room)?;
     }
     (free.wandering >= WANDERING && !free.poles.is_empty()).then_some((free, onsets))
 }
