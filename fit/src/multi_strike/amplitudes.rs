@@ -23,6 +23,15 @@ pub(super) struct Change {
     pub(super) variances: Vec<f64>,
 }
 
+/// Assumption with which the variances of amplitudes are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Told {
+    /// All modes of a stretch are told together, as they are.
+    Together,
+    /// Each mode is told as if it rang alone: close modes keep their weight.
+    Alone,
+}
+
 /// A whitened recording with its filter, and the variance of its noise.
 pub(crate) struct White<'a> {
     pub(crate) samples: &'a [f64],
@@ -33,10 +42,10 @@ pub(crate) struct White<'a> {
 /// Changes of amplitudes by the strikes near `onsets`, from the whitened recording.
 ///
 /// Strikes too close to their neighbours for an amplitude of their own are left out.
-pub(super) fn changes_of(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64) -> Vec<Change> {
+pub(super) fn changes_of(white: &White<'_>, onsets: &[usize], poles: &[Pole], rate_hz: f64, told: Told) -> Vec<Change> {
     let stretches = stretches(onsets, Guard::OF_CHANGE, white.samples.len(), rate_hz);
     let amplitudes = amplitudes(white.samples, &stretches, poles);
-    let spreads: Vec<Vec<f64>> = stretches.par_iter().map(|stretch| spreads(poles, stretch.len())).collect();
+    let spreads: Vec<Vec<f64>> = stretches.par_iter().map(|stretch| spreads(poles, stretch.len(), told)).collect();
     let responses: Vec<C64> = poles.iter().map(|&pole| white.whitening.response(pole)[0]).collect();
     let mut changes = Vec::new();
     // Stretch before the strike whose amplitudes are known.
@@ -75,7 +84,10 @@ pub(super) fn changes_of(white: &White<'_>, onsets: &[usize], poles: &[Pole], ra
 /// All amplitudes are told together: of two modes that a stretch is too short to tell apart, each
 /// has a large variance, though the sum of both is known. Weights that took each mode for alone
 /// trusted their differences, and no contact explained those.
-pub(super) fn spreads(poles: &[Pole], length: usize) -> Vec<f64> {
+pub(super) fn spreads(poles: &[Pole], length: usize, told: Told) -> Vec<f64> {
+    if told == Told::Alone {
+        return poles.iter().flat_map(|pole| spreads(&[*pole], length, Told::Together)).collect();
+    }
     let inverse = gram(poles, length).map(|factor| factor.inverse());
     let of_mode = |mode: usize| {
         let part = |index: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| inverse[(index, index)]);
@@ -115,7 +127,7 @@ mod tests {
     #[test]
     fn stated_variances_are_those_of_amplitudes_in_noise() {
         let poles = [0.02, 0.0203, 0.3].map(|angular| Pole { decay: 1e-3, angular });
-        let stated = spreads(&poles, 3000);
+        let stated = spreads(&poles, 3000, Told::Together);
         assert!(stated[0] > 5.0 * stated[2], "two close modes are told worse than one alone: {stated:?}");
         let mut random = SplitMix64(3);
         let mut sums = [0.0; 3];

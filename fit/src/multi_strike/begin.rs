@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::alignment::{aligned, alternatives};
-use super::amplitudes::{White, changes_of};
+use super::amplitudes::{Told, White, changes_of};
 use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
 use super::free::FreeModes;
@@ -51,9 +51,8 @@ pub(super) fn begun(
         if best.as_ref().is_none_or(|best| next.energy < best.energy) {
             best = Some(next);
         }
-        // What clipped strikes ring no start explains.
         let is_fair = |best: &Fitted| best.noise_rms().powi(2) < POOR * free.variance;
-        if usable.len() < onsets.len() || best.as_ref().is_some_and(is_fair) {
+        if best.as_ref().is_some_and(is_fair) {
             break;
         }
     }
@@ -84,7 +83,7 @@ fn started(
     if layout == Layout::default() {
         return starts(&white, (onsets, usable), &free.poles, rate_hz, attempt);
     }
-    let mut changes = changes_of(&white, onsets, &free.poles, rate_hz);
+    let mut changes = changes_of(&white, onsets, &free.poles, rate_hz, Told::Together);
     changes.retain(|change| usable.contains(&change.at));
     starts_at_places(&changes, &free.poles, rate_hz, layout, attempt)
 }

@@ -1,6 +1,6 @@
 //! The joint fit: from samples to modes, gains and contacts with their standard deviations.
 
-use super::amplitudes::{White, changes_of};
+use super::amplitudes::{Told, White, changes_of};
 use super::begin::{at_best_time, begun};
 use super::changes::changes;
 use super::completion::{completed, worthy};
@@ -269,7 +269,7 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
         model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
     let whole = whitening.filtered(samples, 0..samples.len());
     let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
-    let changes = changes_of(&white, &onsets, &model.poles, rate_hz);
+    let changes = changes_of(&white, &onsets, &model.poles, rate_hz, Told::Together);
     let next = assigned(model, &changes, layout.strikers, layout.positions, rate_hz);
     if next == *model {
         return fitted;

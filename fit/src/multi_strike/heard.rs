@@ -6,7 +6,7 @@
 //! fifth ([`crate::contact`]), and they are held there. Peaks follow from the energy behind each
 //! strike.
 
-use super::amplitudes::{White, changes_of};
+use super::amplitudes::{Told, White, changes_of};
 use super::contact::{Contact, strength};
 use super::descend::Fitted;
 use super::model::{Model, Strike};
@@ -50,7 +50,7 @@ pub(crate) fn with_heard_peaks(fitted: Fitted, samples: &[f64], whitening: &Whit
         model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
     let whole = whitening.filtered(samples, 0..samples.len());
     let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
-    for change in changes_of(&white, &onsets, &model.poles, rate_hz) {
+    for change in changes_of(&white, &onsets, &model.poles, rate_hz, Told::Together) {
         let Some(index) = onsets.iter().position(|onset| *onset == change.at) else { continue };
         let Strike { contact, position, .. } = model.strikes[index];
         let own = |mode: usize| model.gain(mode, position) * strength(model.exponent(mode), contact.time).value;

@@ -8,7 +8,7 @@
 use nalgebra::{Complex, Matrix3, Vector3};
 use rayon::prelude::*;
 
-use super::amplitudes::{Change, OWN_ERROR, White, changes_of, spreads};
+use super::amplitudes::{Change, OWN_ERROR, Told, White, changes_of, spreads};
 use super::contact::{Contact, Response, strength};
 use super::free::{Guard, amplitudes, stretches};
 use super::model::{Model, Strike};
@@ -47,8 +47,10 @@ pub(crate) fn starts(
     rate_hz: f64,
     attempt: usize,
 ) -> Vec<Model> {
+    // The second start differs in kind.
+    let told = if attempt == 1 { Told::Alone } else { Told::Together };
     let usable_changes = |poles: &[Pole]| {
-        let mut changes = changes_of(white, onsets, poles, rate_hz);
+        let mut changes = changes_of(white, onsets, poles, rate_hz, told);
         changes.retain(|change| usable.contains(&change.at));
         changes
     };
@@ -102,7 +104,9 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
     let own = amplitudes(residual, &stretches[..1], &model.poles).pop().filter(|own| !own.is_empty())?;
     let back = at as f64 - stretches[0].start as f64;
     let (mut sums, mut variances) = (Vec::new(), Vec::new());
-    for ((amplitude, pole), spread) in own.iter().zip(&model.poles).zip(spreads(&model.poles, stretches[0].len())) {
+    for ((amplitude, pole), spread) in
+        own.iter().zip(&model.poles).zip(spreads(&model.poles, stretches[0].len(), Told::Alone))
+    {
         let back = pole.power(back);
         sums.push(amplitude * back);
         let noise = variance * spread * back.norm_sqr();

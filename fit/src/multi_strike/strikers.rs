@@ -144,7 +144,7 @@ fn along_object(seen: &[(C64, C64, f64, &Strike)], places: usize) -> (Vec<C64>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi_strike::amplitudes::{White, changes_of};
+    use crate::multi_strike::amplitudes::{Told, White, changes_of};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
     use crate::multi_strike::whitening::Whitening;
@@ -156,7 +156,7 @@ mod tests {
         let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
         let whitening = Whitening::none();
         let white = White { samples: &sound.samples, whitening: &whitening, variance: sound.noise_rms.powi(2) };
-        let changes = changes_of(&white, &onsets, &truth.poles, sound.rate_hz);
+        let changes = changes_of(&white, &onsets, &truth.poles, sound.rate_hz, Told::Together);
         let mut model = truth.clone();
         model.owners.fill(None);
         model.strikes.iter_mut().for_each(|strike| strike.striker = 0);
