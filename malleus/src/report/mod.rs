@@ -11,8 +11,10 @@ mod figures;
 mod index;
 mod markup;
 mod page;
+mod surface_page;
 mod view;
 
 pub use error::ReportError;
 pub use index::{INDEX_FILE, write_index};
 pub use page::{Summary, write_page};
+pub use surface_page::{SurfacePage, write_surface_page};

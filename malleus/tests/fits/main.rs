@@ -1,8 +1,9 @@
-//! `malleus fit` as its user calls it: tables on any number of cores, dynamic filters, priors and
-//! reports.
+//! `malleus fit` and `malleus surface` as their user calls them: tables on any number of cores,
+//! dynamic filters, priors, reports and surfaces.
 //! `cargo test -p malleus --test fits report::` runs one part.
 
 mod cores;
 mod dynamic_filter;
 mod prior;
 mod report;
+mod surface;
