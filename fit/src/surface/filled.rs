@@ -68,7 +68,7 @@ fn longest_run(row: &[f64]) -> [usize; 2] {
     longest
 }
 
-/// Straight lines over the holes of a row; beyond its ends, and in a row without points, a constant.
+/// Straight lines over the holes of a row; a constant beyond its ends, and in a row without points.
 fn fill_row(row: &mut [f64], otherwise: f64) {
     let mut last: Option<usize> = None;
     for index in 0..row.len() {

@@ -1,7 +1,7 @@
 //! Heights from an NPY file (NumPy enhancement proposal 1, versions 1 to 3).
 //!
-//! The crates that read NPY files need a C compiler to build. The format is a text of three keys, and
-//! the numbers behind it.
+//! The crates that read NPY files need a C compiler to build. The format is a text of three keys,
+//! and the numbers behind it.
 
 use std::path::Path;
 

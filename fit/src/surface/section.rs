@@ -37,8 +37,9 @@ pub(super) fn section(
     Ok((limited(&part, profiles.step_m, points, shortest_m), own_step_m))
 }
 
-/// A map of at most `most` points in its own steps: the largest square in its middle, with its edges
-/// faded into one another. Returns the points of a row too.
+/// A map of at most `most` points in its own steps, cut from the middle, and the points of a row.
+///
+/// Its edges are faded into one another.
 pub(super) fn map(profiles: &Profiles, shortest_m: f64, most: usize) -> (Vec<f64>, usize) {
     let fade = ((FADE * shortest_m / profiles.step_m) as usize).min(profiles.rows.len() / 8).min(profiles.points() / 8);
     let side = |length: usize| even((length - fade) as f64);

@@ -1,8 +1,8 @@
 //! A new periodic profile with the statistics of a surface.
 //!
-//! Noise takes in turn the distribution of each octave, the spectrum, the distribution of all waves,
-//! and the spectrum again, as surrogate data do (Schreiber and Schmitz 1996): ranks keep their
-//! order, bands keep their phases.
+//! Noise takes in turn the distribution of each octave, the spectrum, the distribution of all
+//! waves, and the spectrum again, as surrogate data do (Schreiber and Schmitz 1996): ranks keep
+//! their order, bands keep their phases.
 
 use super::statistics::{Octave, Statistics, quantiles};
 use super::waves::{curvature_of_height, excess_kurtosis, frequency_per_m, signal, spectrum, within};

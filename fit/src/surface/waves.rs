@@ -45,7 +45,7 @@ pub(super) fn curvatures(heights: &[f64], step_m: f64) -> Vec<f64> {
     signal(bins, heights.len())
 }
 
-/// The part of a periodic signal whose waves lie in a band of frequencies, in cycles per metre: above
+/// Part of a periodic signal whose waves lie in a band of frequencies, in cycles per metre: above
 /// the first, up to the second.
 pub(super) fn within(bins: &[Complex<f64>], length: usize, step_m: f64, band_per_m: [f64; 2]) -> Vec<f64> {
     let of_bin = |(bin, value): (usize, &Complex<f64>)| {
