@@ -21,7 +21,7 @@ const STEPS: f64 = 2.5;
 /// it. The edge lies where the density of heights is 60 dB below that at 1 mm. Without an edge it
 /// is 2.5 steps.
 ///
-/// On the ten interpolated profiles of ThreeDWorld it is within 4 % of those in the data's manifest
+/// On the ten interpolated profiles of ThreeDWorld it is within 5 % of those in the data's manifest
 /// (`cargo test -p fit --test sounds surfaces -- --nocapture`).
 pub(super) fn shortest_m(profiles: &Profiles) -> (f64, Option<Note>) {
     let levels = levels(profiles);

@@ -74,7 +74,7 @@ impl Table {
 /// `told` gets the share of the work that is done, from 0 to 1.
 ///
 /// On the ten profiles of ThreeDWorld the table's third octaves are within 0.5 dB rms of the
-/// surface's, and the kurtosis of its curvature within 5 % (`cargo test -p fit --test sounds
+/// surface's, and the kurtosis of its curvature within 1 % (`cargo test -p fit --test sounds
 /// surfaces -- --nocapture`).
 ///
 /// # Errors
