@@ -21,6 +21,7 @@ pub mod segment;
 pub mod separate;
 pub mod stages;
 pub mod strike;
+pub mod surface;
 pub mod synthetic;
 pub mod table;
 

@@ -1,5 +1,7 @@
 //! Command line of the program: commands, options, and the checks of their values.
 
+mod surface;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -8,6 +10,7 @@ use dsp_core::limiter::LOWEST_CEILING_DB;
 use fit::material::solid::Solid;
 use virtual_board::Board;
 
+pub(crate) use self::surface::SurfaceArguments;
 use crate::commands::board::{BoardCommand, parse_board};
 
 /// Physically modelled percussion, rendered by exactly the code that a board runs.
@@ -32,6 +35,8 @@ pub(crate) enum Command {
     /// Separate recordings of strikers on things into the sound of the thing, that of the striker,
     /// and the rest
     Separate(SeparateArguments),
+    /// Make the table of a measured surface
+    Surface(SurfaceArguments),
     /// Make, build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),

@@ -10,3 +10,4 @@ mod hammer;
 mod modes;
 mod room;
 mod room_prior;
+mod surfaces;

@@ -108,6 +108,8 @@ pub(crate) enum CommandError {
     Known(#[from] KnownError),
     #[error(transparent)]
     Materials(#[from] ::fit::material::UnknownMaterial),
+    #[error(transparent)]
+    Surface(#[from] ::fit::surface::SurfaceError),
     #[error("{0}")]
     Recording(String),
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]

@@ -19,4 +19,5 @@ pub(crate) mod play;
 pub(crate) mod separate;
 mod separate_labels;
 mod separate_tables;
+pub(crate) mod surface;
 mod usb_midi;

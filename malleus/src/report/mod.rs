@@ -13,9 +13,11 @@ mod markup;
 mod page;
 mod strikes_figures;
 mod strikes_page;
+mod surface_page;
 mod view;
 
 pub use error::ReportError;
 pub use index::{INDEX_FILE, write_index};
 pub use page::{Summary, write_page};
 pub use strikes_page::{StrikesPage, write_strikes_page};
+pub use surface_page::{SurfacePage, write_surface_page};

@@ -1,0 +1,93 @@
+//! Heights from a CSV file.
+
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+
+use super::error::SurfaceError;
+use super::heights::Heights;
+use super::options::Note;
+
+/// Largest error of a position, as a share of the step, at which positions are even.
+const EVEN: f64 = 0.02;
+
+/// Heights of a file, with its step where it has positions, and notes on what was decided.
+pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(Heights, Vec<Note>), SurfaceError> {
+    let mut reader =
+        ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let (mut values, mut columns, mut lines) = (Vec::new(), 0, Vec::new());
+    for (index, record) in reader.records().enumerate() {
+        let at = |line: u64, cause: String| SurfaceError::CsvLine { path: path.to_owned(), line, cause };
+        let record = record.map_err(|cause| at(index as u64 + 1, cause.to_string()))?;
+        let line = record.position().map_or(index as u64 + 1, csv::Position::line);
+        let numbers = match numbers(&record) {
+            Ok(numbers) => numbers,
+            // The first line may be the head.
+            Err(_) if index == 0 => continue,
+            Err(cell) => return Err(at(line, format!("{cell:?} is no number"))),
+        };
+        if columns == 0 {
+            columns = numbers.len();
+        }
+        if numbers.len() != columns {
+            return Err(at(line, format!("{} columns, {columns} before", numbers.len())));
+        }
+        values.extend(numbers);
+        lines.push(line);
+    }
+    let step = || step_m.ok_or_else(|| SurfaceError::NoStep { path: path.to_owned() });
+    match columns {
+        0 | 1 => Ok((Heights { step_m: step()?, columns: values.len(), values }, Vec::new())),
+        2 => of_positions(&values, &lines, path),
+        columns => Ok((Heights { step_m: step()?, columns, values }, Vec::new())),
+    }
+}
+
+/// Numbers of a line, NaN for an empty cell; the cell that is none.
+fn numbers(record: &StringRecord) -> Result<Vec<f64>, String> {
+    let number = |cell: &str| if cell.is_empty() { Ok(f64::NAN) } else { cell.parse().map_err(|_| cell.to_owned()) };
+    record.iter().map(number).collect()
+}
+
+/// A profile of positions and heights, at even steps.
+fn of_positions(values: &[f64], lines: &[u64], path: &Path) -> Result<(Heights, Vec<Note>), SurfaceError> {
+    let (positions, heights): (Vec<f64>, Vec<f64>) = values.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
+    if let Some(index) = positions.windows(2).position(|pair| pair[1].is_nan() || pair[1] <= pair[0]) {
+        return Err(SurfaceError::Order { path: path.to_owned(), line: lines[index + 1] });
+    }
+    let steps = positions.len().max(2) - 1;
+    let step_m = (positions.last().unwrap_or(&1.0) - positions.first().unwrap_or(&0.0)) / steps as f64;
+    let is_even = |(index, x): (usize, &f64)| (x - positions[0] - index as f64 * step_m).abs() < EVEN * step_m;
+    if positions.iter().enumerate().all(is_even) {
+        return Ok((Heights { step_m, columns: heights.len(), values: heights }, Vec::new()));
+    }
+    let values = resampled(&positions, &heights, step_m);
+    Ok((Heights { step_m, columns: values.len(), values }, vec![Note::Resampled { step_m }]))
+}
+
+/// Heights at even steps by cubic pieces whose slopes are those of their neighbours' parabola.
+fn resampled(positions: &[f64], heights: &[f64], step_m: f64) -> Vec<f64> {
+    let last = positions.len() - 1;
+    let rise = |index: usize| (heights[index + 1] - heights[index]) / (positions[index + 1] - positions[index]);
+    let slope = |index: usize| match index {
+        0 => rise(0),
+        index if index == last => rise(last - 1),
+        index => {
+            let (before, after) = (positions[index] - positions[index - 1], positions[index + 1] - positions[index]);
+            (rise(index - 1) * after + rise(index) * before) / (before + after)
+        }
+    };
+    let mut piece = 0;
+    let at = |point: usize| {
+        let x = positions[0] + point as f64 * step_m;
+        while piece + 1 < last && positions[piece + 1] < x {
+            piece += 1;
+        }
+        let length = positions[piece + 1] - positions[piece];
+        let t = ((x - positions[piece]) / length).clamp(0.0, 1.0);
+        let (from, to) = (heights[piece], heights[piece + 1]);
+        let (bend, turn) = (length * slope(piece) - (to - from), (to - from) - length * slope(piece + 1));
+        (1.0 - t) * from + t * to + t * (1.0 - t) * ((1.0 - t) * bend + t * turn)
+    };
+    (0..=last).map(at).collect()
+}

@@ -1,0 +1,116 @@
+//! Choices of a surface's fit, and what it decided without asking.
+
+use std::fmt;
+
+/// Where a table's heights come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// A new profile with the statistics of the whole surface.
+    Statistics,
+    /// A section of the profile as measured, from and to in metres; its ends are faded into one
+    /// another.
+    Section([f64; 2]),
+    /// The map as measured; its edges are faded into one another.
+    Map,
+}
+
+/// Choices of a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Factor on all heights.
+    pub height_scale: f64,
+    /// Number of points of a synthesis, a power of two from 256 to 32 768.
+    pub points: usize,
+    /// Where the heights come from.
+    pub source: Source,
+    /// Shortest wavelength in metres to which the spectrum is continued by its slope.
+    pub extend_to_m: Option<f64>,
+    /// Radius in metres of a ball whose path is taken in place of the surface.
+    pub tip_radius_m: Option<f64>,
+    /// Seed of the synthesis.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            height_scale: 1.0,
+            points: 4096,
+            source: Source::Statistics,
+            extend_to_m: None,
+            tip_radius_m: None,
+            seed: 1,
+        }
+    }
+}
+
+/// Decision that was made without asking.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// Points were missing, and were filled from their neighbours.
+    Filled {
+        /// Share of all points in percent.
+        percent: f64,
+    },
+    /// Positions were uneven, and the profile was resampled.
+    Resampled {
+        /// Step in metres.
+        step_m: f64,
+    },
+    /// Heights look wrong by a factor of 1000.
+    Scale {
+        /// Rms of the heights in metres, without waves longer than 2.8 mm.
+        rms_m: f64,
+        /// Factor that `--height-scale` would mend it with.
+        factor: f64,
+    },
+    /// Nothing was measured below the shortest wavelength.
+    Upsampled {
+        /// Shortest wavelength in metres.
+        shortest_m: f64,
+        /// Step of the file in metres.
+        step_m: f64,
+    },
+    /// The spectrum goes on below the shortest measured wavelength.
+    Extended {
+        /// Measured shortest wavelength in metres.
+        from_m: f64,
+        /// Shortest wavelength of the table in metres.
+        to_m: f64,
+        /// Slope of the power spectral density of heights over frequency.
+        slope: f64,
+    },
+    /// A map was read as a bundle of profiles.
+    Rows {
+        /// Number of profiles.
+        rows: usize,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Filled { percent } => {
+                write!(f, "{percent:.1} % of the points were missing, and are filled from their neighbours")
+            }
+            Self::Resampled { step_m } => write!(f, "positions are uneven: resampled to steps of {step_m:.3e} m"),
+            Self::Scale { rms_m, factor } => write!(
+                f,
+                "heights of {rms_m:.1e} m rms look wrong by a factor of 1000: if so, give --height-scale {factor}"
+            ),
+            Self::Upsampled { shortest_m, step_m } => write!(
+                f,
+                "nothing was measured below waves of {:.1} µm though points are {:.2} µm apart: what lies below is left out",
+                1e6 * shortest_m,
+                1e6 * step_m
+            ),
+            Self::Extended { from_m, to_m, slope } => write!(
+                f,
+                "waves from {:.1} to {:.1} µm are not measured: the spectrum goes on with its slope of {slope:.1}",
+                1e6 * from_m,
+                1e6 * to_m
+            ),
+            Self::Rows { rows } => write!(f, "the map's {rows} rows are read as profiles; --map keeps the map itself"),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Shortest wavelength that was measured.
+
+use super::options::Note;
+use super::profile::Profiles;
+use super::spectrum::{Level, levels};
+
+/// Wavelengths in metres at which the level that a cliff is measured from lies.
+const REFERENCE_M: [f64; 2] = [0.7e-3, 1.4e-3];
+/// Fall from that level in dB by which nothing is left.
+const FALLEN_DB: f64 = 60.0;
+/// Fall in dB within half an octave that no surface has: the edge of an interpolation.
+const CLIFF_DB: f64 = 40.0;
+/// Number of levels within half an octave.
+const HALF_OCTAVE: usize = 6;
+/// Shortest wavelength in steps of a profile without such an edge.
+const STEPS: f64 = 2.5;
+
+/// Shortest wavelength in metres that was measured, and a note if it lies far above two steps.
+///
+/// An interpolation to finer steps leaves an edge in the spectrum, and images of the spectrum below
+/// it. The edge lies where the density of heights is 60 dB below that at 1 mm. Without an edge it
+/// is 2.5 steps.
+///
+/// On the ten interpolated profiles of ThreeDWorld it is within 5 % of those in the data's manifest
+/// (`cargo test -p fit --test sounds surfaces -- --nocapture`).
+pub(super) fn shortest_m(profiles: &Profiles) -> (f64, Option<Note>) {
+    let levels = levels(profiles);
+    let finest_m = STEPS * profiles.step_m;
+    match edge_m(&levels).filter(|edge_m| *edge_m > finest_m) {
+        Some(shortest_m) => (shortest_m, Some(Note::Upsampled { shortest_m, step_m: profiles.step_m })),
+        None => (finest_m, None),
+    }
+}
+
+fn edge_m(levels: &[Level]) -> Option<f64> {
+    let length_m = |level: &Level| 1.0 / level.frequency_per_m;
+    let near: Vec<f64> = levels
+        .iter()
+        .filter(|level| (REFERENCE_M[0]..REFERENCE_M[1]).contains(&length_m(level)))
+        .map(|level| level.db)
+        .collect();
+    if near.is_empty() {
+        return None;
+    }
+    let least_db = near.iter().sum::<f64>() / near.len() as f64 - FALLEN_DB;
+    let first = levels.iter().position(|level| length_m(level) < REFERENCE_M[0] && level.db < least_db)?;
+    let before = levels.get(first.checked_sub(1)?)?;
+    let window = &levels[first.saturating_sub(HALF_OCTAVE)..(first + HALF_OCTAVE + 1).min(levels.len())];
+    let falls = window.windows(HALF_OCTAVE + 1).map(|part| part[0].db - part[HALF_OCTAVE].db);
+    if falls.fold(0.0, f64::max) < CLIFF_DB {
+        return None;
+    }
+    // Between two levels it goes in a straight line.
+    let share = (before.db - least_db) / (before.db - levels[first].db);
+    let octaves = (levels[first].frequency_per_m / before.frequency_per_m).log2();
+    Some(length_m(before) * 2f64.powf(-share * octaves))
+}
