@@ -4,8 +4,8 @@
 //! power in a band follows `∫ e^{-2du} g²(t-u) du` for the modes' response g. But modes take what
 //! they can of the answer: a room changes amplitudes of slow modes, and what it changes alike for
 //! all time is not told from the modes' own. So rooms of known T60 are drawn, modes are fitted to
-//! each, and the answer is compared with what is left of the draws. Their scatter gives the standard
-//! deviations, those of the modes included.
+//! each, and the answer is compared with what is left of the draws. Their scatter gives the
+//! standard deviations, those of the modes included.
 
 use rayon::prelude::*;
 
@@ -46,7 +46,7 @@ pub(crate) struct Told {
     pub(crate) gains: Vec<f64>,
 }
 
-/// What is left of an answer behind the modes, and by how much they moved.
+/// Rest of an answer behind the modes, and the amount by which they moved.
 struct Left {
     curves: Curves,
     poles: Vec<[f64; 2]>,
@@ -129,7 +129,7 @@ fn response(draw: u64, t60: f64, length: usize) -> Vec<f64> {
     (0..length).map(|n| size * random.normal() * (-decay * n as f64).exp()).collect()
 }
 
-/// What modes leave of an answer, once they have taken of it what they can.
+/// Rest of an answer, once modes have taken of it what they can.
 fn left_of(model: &Model, direct: &[f64], answer: &[f64], rate_hz: f64) -> Option<Left> {
     let heard: Vec<f64> = direct.iter().zip(answer).map(|(direct, answer)| direct + answer).collect();
     let group = Group::ringing(&heard);

