@@ -1,5 +1,6 @@
 //! `malleus surface` as its user calls it.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -14,7 +15,7 @@ fn with_profile() -> TempDir {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let x = f64::from(n) * 1e-5;
         let noise = f64::from(state >> 8) / f64::from(1 << 24) - 0.5;
-        let height = 2e-6 * (x / 0.3e-3 * 6.28).sin() + 3e-7 * (x / 0.05e-3 * 6.28).sin() + 2e-7 * noise;
+        let height = 2e-6 * (x / 0.3e-3 * TAU).sin() + 3e-7 * (x / 0.05e-3 * TAU).sin() + 2e-7 * noise;
         text += &format!("{x:e},{height:e}\n");
     }
     std::fs::write(folder.path().join("rough.csv"), text).expect("the folder is writable");
