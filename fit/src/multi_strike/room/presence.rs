@@ -44,7 +44,8 @@ pub(crate) fn in_a_room(
     if free.poles.is_empty() {
         return None;
     }
-    // A search that takes an answer for modes leaves nothing of a dry recording, and much of a room.
+    // A search that takes an answer for modes leaves nothing of a dry recording, but much of one
+    // in a room.
     let (guard, dry) = (Guard::OF_CHANGE, Surroundings::Dry);
     let most = free_modes(samples, &onsets, guard, rate_hz, settings, &free.poles, dry)?;
     (most.wandering >= WANDERING).then_some((free, onsets))
