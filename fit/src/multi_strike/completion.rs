@@ -101,7 +101,8 @@ pub(crate) fn worthy(fitted: &Fitted, whitening: &Whitening, fastest: f64) -> Op
     let dropped = unworthy(&spreads, 4.0 * logarithm, is_near);
     model.drop_modes(&dropped);
     if model.contact_times_are_held {
-        // One set of gains explains little of strikes at several places; they were heard all the same.
+        // One set of gains explains little of strikes at several places: they were heard all the
+        // same.
         return Some(model);
     }
     // With positions the scale of all peaks is uncertain, but not that a strike stands out.

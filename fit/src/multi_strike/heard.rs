@@ -1,7 +1,7 @@
 //! Contact times from the sound of each strike alone.
 //!
-//! Where a thing is struck a little elsewhere each time, its modes' amplitudes differ from strike to
-//! strike, and a fit with one place takes that for other contact times: on an impact hammer's
+//! Where a thing is struck a little elsewhere each time, its modes' amplitudes differ from strike
+//! to strike, and a fit with one place takes that for other contact times: on an impact hammer's
 //! strikes it ended at twelve times the measured one. The spectrum of each strike tells them to a
 //! fifth ([`crate::contact`]), and they are held there. Peaks follow from the energy behind each
 //! strike.

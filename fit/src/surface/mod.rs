@@ -15,7 +15,9 @@
 mod csv_file;
 mod error;
 mod extension;
+mod file;
 mod filled;
+mod fit;
 mod heights;
 mod npy_file;
 mod options;
@@ -31,7 +33,9 @@ mod tip;
 mod waves;
 
 pub use error::SurfaceError;
-pub use heights::{Heights, read};
+pub use file::read;
+pub use fit::fit;
+pub use heights::Heights;
 pub use options::{Note, Options, Source};
 pub use report::{BandLevel, Report};
-pub use table::{Table, fit};
+pub use table::Table;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Where a table's heights come from.
+/// Source of a table's heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
     /// A new profile with the statistics of the whole surface.
@@ -21,7 +21,7 @@ pub struct Options {
     pub height_scale: f64,
     /// Number of points of a synthesis, a power of two from 256 to 32 768.
     pub points: usize,
-    /// Where the heights come from.
+    /// Source of the heights.
     pub source: Source,
     /// Shortest wavelength in metres to which the spectrum is continued by its slope.
     pub extend_to_m: Option<f64>,

@@ -32,7 +32,7 @@ pub(super) fn synthesised(statistics: &Statistics, points: usize, step_m: f64, s
     heights_of(&curvatures, step_m)
 }
 
-/// What a profile has to have.
+/// Statistics that a profile is to have.
 struct Wanted<'a> {
     statistics: &'a Statistics,
     points: usize,
