@@ -126,10 +126,18 @@ pub(crate) fn free_modes(
         if candidates.is_empty() {
             break;
         }
-        let mut poles = model.poles.clone();
-        poles.extend(candidates);
-        let Some(more) = refine(&groups, &poles, Ending::COARSE) else { break };
-        let Some(more) = pruned(&groups, more, &noise, range, threshold) else { break };
+        let with = |candidates: &[Pole]| {
+            let poles = [&model.poles, candidates].concat();
+            pruned(&groups, refine(&groups, &poles, Ending::COARSE)?, &noise, range, threshold)
+        };
+        let mut count = candidates.len();
+        let mut more = with(&candidates);
+        // Many first modes may share their energy so that none is worth its numbers.
+        while count > 1 && more.as_ref().is_some_and(|more| more.poles.is_empty()) {
+            count /= 2;
+            more = with(&candidates[..count]);
+        }
+        let Some(more) = more else { break };
         model = more;
     }
     let mut quiet = residuals(&groups, &model);

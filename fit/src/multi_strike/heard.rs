@@ -15,17 +15,23 @@ use crate::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
 
 /// Width at half maximum of a half-sine, as a share of its length.
 const HALF_SINE_FWHM: f64 = 2.0 / 3.0;
+/// Ratio of a contact time to the heard one from which it is far: heard ones are good to a fifth.
+const FAR: f64 = 1.5;
 /// Standard deviations on either side that an interval of 90 % holds.
 const DEVIATIONS: f64 = 1.645;
 
-/// True if more than half of a model's contact times lie outside the interval that is heard.
+/// True if more than half of a model's contact times are far from those that are heard.
 pub(crate) fn contradicts_sound(model: &Model, samples: &[f64], rate_hz: f64) -> bool {
-    let is_outside = |index: &usize| {
-        let width_s = HALF_SINE_FWHM * model.strikes[*index].contact.time / rate_hz;
-        let heard = contact_interval_s(alone(model, *index, samples), rate_hz);
-        heard.is_some_and(|[low, high]| !(PULSE_FWHM * low..PULSE_FWHM * high).contains(&width_s))
+    let is_far = |index: &usize| {
+        let heard = heard_time(model, *index, samples, rate_hz);
+        heard.is_some_and(|heard| (model.strikes[*index].contact.time / heard).ln().abs() > FAR.ln())
     };
-    2 * (0..model.strikes.len()).filter(is_outside).count() > model.strikes.len()
+    2 * (0..model.strikes.len()).filter(is_far).count() > model.strikes.len()
+}
+
+/// Contact time in samples of the half-sine that is as wide as a strike's contact is heard to be.
+fn heard_time(model: &Model, index: usize, samples: &[f64], rate_hz: f64) -> Option<f64> {
+    Some(contact_time_s(alone(model, index, samples), rate_hz)? * rate_hz * PULSE_FWHM / HALF_SINE_FWHM)
 }
 
 /// The model with all contact times as they are heard, and held. `None` if one strike is too short.
@@ -33,9 +39,7 @@ pub(crate) fn with_heard_times(model: &Model, samples: &[f64], rate_hz: f64) -> 
     let mut held = model.clone();
     held.contact_times_are_held = true;
     for (index, strike) in held.strikes.iter_mut().enumerate() {
-        let alone = alone(model, index, samples);
-        let time = contact_time_s(alone, rate_hz)? * rate_hz * PULSE_FWHM / HALF_SINE_FWHM;
-        strike.contact = Contact { time, ..strike.contact };
+        strike.contact = Contact { time: heard_time(model, index, samples, rate_hz)?, ..strike.contact };
     }
     Some(held)
 }
