@@ -83,6 +83,7 @@ pub(crate) fn fit(
     if layout == Layout::default()
         && let Some((free, all)) = in_a_room(samples, &free, rate_hz, settings)
         && let Ok(found) = fit_in_room(samples, rate_hz, (&free, &all), settings, told)
+        && found.room.is_some()
     {
         return Ok(found);
     }
