@@ -59,9 +59,6 @@ struct Tally {
     middle_us: Errors,
     contact_percent: Errors,
     peak_db: Errors,
-    room_t60_percent: Vec<f64>,
-    room_gain_db: Vec<f64>,
-    rooms: usize,
     left_db: Vec<f64>,
     seconds: Vec<f64>,
 }
@@ -70,15 +67,6 @@ impl Tally {
     fn add(&mut self, sound: &StruckOften, fit: &Estimate, bounds: &Estimate, seconds: f64) {
         self.seconds.push(seconds);
         self.left_db.push(fit.left_dbfs - 20.0 * sound.noise_rms.log10());
-        self.rooms += usize::from(sound.room.is_some());
-        if let (Some(truth), Some(room)) = (&sound.room, &fit.room) {
-            self.room_t60_percent.push((100.0 * (room.t60_s / truth.t60_s - 1.0)).abs());
-            self.room_gain_db.push((room.gain_db - truth.gain_db).abs());
-            eprintln!(
-                "  room: T60 {:.3} ± {:.3} s of {:.3}, level {:.1} ± {:.1} dB of {:.1}",
-                room.t60_s, room.t60_s_sd, truth.t60_s, room.gain_db, room.gain_db_sd, truth.gain_db
-            );
-        }
         self.modes += sound.modes.len();
         self.reported += fit.modes.len();
         for truth in &sound.modes {
@@ -111,9 +99,6 @@ impl Tally {
         let ratio = |truth: &TrueStrike, strike: &StrikeEstimate| 20.0 * (strike.peak_force / truth.peak_force).log10();
         let ratios: Vec<f64> = pairs.iter().map(|(truth, strike, _)| ratio(truth, strike)).collect();
         let unit_db = quantile(&ratios, 0.5);
-        let late: Vec<f64> =
-            pairs.iter().map(|(truth, strike, _)| 1e6 * (strike.middle_s - truth.middle_s())).collect();
-        eprintln!("  all middles are late by {:+.2} µs together", quantile(&late, 0.5));
         for (truth, strike, bound) in pairs {
             self.striker_right += usize::from(truth.striker == strike.striker);
             self.middle_us.add(
@@ -166,16 +151,6 @@ impl Tally {
         self.middle_us.print("middle of contact, µs");
         self.contact_percent.print("contact time, %");
         self.peak_db.print("peak, dB");
-        if self.rooms > 0 {
-            println!(
-                "room found {:.0} %; T60, % median {:.1}, 90 % below {:.1}; level, dB median {:.2}, 90 % below {:.2}",
-                percent(self.room_t60_percent.len(), self.rooms),
-                quantile(&self.room_t60_percent, 0.5),
-                quantile(&self.room_t60_percent, 0.9),
-                quantile(&self.room_gain_db, 0.5),
-                quantile(&self.room_gain_db, 0.9)
-            );
-        }
         println!(
             "left over the noise {:.3} dB, at most {:.3}; {:.1} s of CPU time a fit, at most {:.1}",
             quantile(&self.left_db, 0.5),

@@ -181,8 +181,6 @@ fn numbers(
         contact_times_are_heard: false,
         acceleration: acceleration * strongest * unit,
         acceleration_sd: f64::NAN,
-        room: None,
-        background: Vec::new(),
         left_dbfs: 10.0 * power(&residual).max(1e-30).log10(),
         residual,
     })

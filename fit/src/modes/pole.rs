@@ -29,12 +29,6 @@ impl Pole {
         Complex::from_polar((-self.decay * n).exp(), self.angular * n)
     }
 
-    /// Energy `Σ |z|²ⁿ` of the first `length` samples of a mode with the amplitude 1.
-    pub(crate) fn energy(self, length: usize) -> f64 {
-        let twice = 2.0 * self.decay;
-        (1.0 - (-twice * length as f64).exp()) / (1.0 - (-twice).exp())
-    }
-
     /// Number of `length` samples after which the rest changes no digit (150 dB down).
     pub(crate) fn lasting(self, length: usize) -> usize {
         length.min((17.3 / self.decay).ceil() as usize + 1)

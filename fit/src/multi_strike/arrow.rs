@@ -88,11 +88,6 @@ impl Arrow {
         self.right_shared[index] = 0.0;
     }
 
-    /// Ties a shared parameter to its value: a step costs `weight` times its square.
-    pub(crate) fn tie_shared(&mut self, index: usize, weight: f64) {
-        self.corner[(index, index)] += weight;
-    }
-
     /// Largest decrease that a step promises, `x · r`.
     pub(crate) fn promise(&self, step: &(DVector<f64>, DVector<f64>)) -> f64 {
         self.right.dot(&step.0) + self.right_shared.dot(&step.1)

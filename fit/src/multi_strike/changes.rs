@@ -21,16 +21,7 @@ const OVER_MEAN: f64 = 9.0;
 const UNDER_NEIGHBOUR: f64 = 1e-3;
 
 /// Samples near which amplitudes change, with the energy of each change in units of `variance`.
-///
-/// In a room amplitudes wander: a change that is a smaller share than `wandering` of the energy
-/// in both windows is no strike. 0 where there is no room.
-pub(crate) fn changes(
-    samples: &[f64],
-    poles: &[Pole],
-    rate_hz: f64,
-    variance: f64,
-    wandering: f64,
-) -> Vec<(usize, f64)> {
+pub(crate) fn changes(samples: &[f64], poles: &[Pole], rate_hz: f64, variance: f64) -> Vec<(usize, f64)> {
     let hop = ((WINDOW_S * rate_hz) as usize / HOPS).max(1);
     // Factors of the inner products over every number of hops, from one on.
     let factors: Vec<Option<Cholesky<f64, Dyn>>> =
@@ -71,9 +62,7 @@ pub(crate) fn changes(
         .into_par_iter()
         .map(|from| {
             let (before, behind, both) = (sums(from, HOPS), sums(from + HOPS, HOPS), sums(from, 2 * HOPS));
-            let apart = explained(one, &before) + explained(one, &behind);
-            let change = apart - explained(two, &both);
-            if change < wandering * apart { 0.0 } else { change / variance }
+            (explained(one, &before) + explained(one, &behind) - explained(two, &both)) / variance
         })
         .collect();
     let free = 2.0 * poles.len() as f64;
@@ -127,7 +116,7 @@ mod tests {
     fn all_strikes_change_amplitudes_of_known_modes_and_nothing_else_does() {
         for seed in 1..4 {
             let sound = plain(seed, 6.0, 10, -60.0);
-            let found = changes(&sound.samples, &model_of(&sound).poles, sound.rate_hz, sound.noise_rms.powi(2), 0.0);
+            let found = changes(&sound.samples, &model_of(&sound).poles, sound.rate_hz, sound.noise_rms.powi(2));
             let near = |at_s: f64| found.iter().any(|(at, _)| (*at as f64 / sound.rate_hz - at_s).abs() < 0.004);
             let all = sound.strikes.iter().filter(|strike| near(strike.at_s)).count();
             assert!(all >= 9 && found.len() <= 10, "{all} of 10, {found:?}");

@@ -43,9 +43,8 @@ pub(crate) fn completed(
         model.strikes.iter().any(|strike| apart(strike) < KNOWN_S)
     };
     let white = whitening.filtered(&left, 0..left.len());
-    let found = changes(&white, &model.poles, rate_hz, fitted.noise_rms().powi(2), 0.0)
-        .into_iter()
-        .filter(|(at, _)| !is_known(*at));
+    let found =
+        changes(&white, &model.poles, rate_hz, fitted.noise_rms().powi(2)).into_iter().filter(|(at, _)| !is_known(*at));
     let missing: Vec<Strike> =
         found.filter_map(|(at, _)| missing_strike(&model, &left, at, rate_hz, variance)).collect();
     let is_complete = missing.is_empty() && misplaced.is_empty();

@@ -42,7 +42,7 @@ impl Fitted {
     /// A model beside a recording.
     pub(crate) fn new(model: Model, samples: &[f64], whitening: &Whitening) -> Self {
         let residual = residual(&model, samples);
-        let energy = energy(&model, &residual, whitening);
+        let energy = energy(&residual, whitening);
         Self { model, residual, energy }
     }
 
@@ -78,10 +78,6 @@ impl Fitted {
         }
         for end in self.model.ends().into_iter().flatten() {
             arrow.hold(self.model.strike_size() * end + 3);
-        }
-        if whitening.fades() {
-            (0..2 * self.model.poles.len()).for_each(|index| arrow.hold_shared(index));
-            (0..self.model.strike_size() * self.model.strikes.len()).for_each(|index| arrow.hold(index));
         }
         if self.model.acceleration == 0.0 {
             arrow.hold_shared(self.model.shared_size() - 1);
@@ -297,7 +293,7 @@ mod tests {
             let mut random = SplitMix64(seed);
             let model = random_model(&mut random, places, strikers);
             let samples: Vec<f64> = (0..1200).map(|_| random.normal()).collect();
-            let whitening = if seed == 2 { Whitening::fading(0.01) } else { Whitening::of_residual(&samples, 5) };
+            let whitening = Whitening::of_residual(&samples, 5);
             let fitted = Fitted::new(model.clone(), &samples, &whitening);
             let arrow = equations(&model, &fitted.residual, &whitening, 0.0);
             let (along, shared) = arrow.right_sides();

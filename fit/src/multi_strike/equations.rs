@@ -11,7 +11,7 @@ use super::arrow::Arrow;
 use super::model::{Model, Segment, segments};
 use super::ringing::{Effect, Ringing};
 use super::whitening::Whitening;
-use crate::modes::{Basis, Pole, Stretch, add_ringing, project};
+use crate::modes::{Basis, Stretch, add_ringing, project};
 
 type C64 = Complex<f64>;
 
@@ -74,25 +74,8 @@ fn subtract(model: &Model, segment: &Segment, amplitudes: &[C64], samples: &mut 
     }
 }
 
-/// Energy of the weighted residual, summed in an order that does not depend on threads.
-pub(crate) fn energy(model: &Model, residual: &[f64], whitening: &Whitening) -> f64 {
-    if whitening.fades() { faded_energy(model, residual, whitening) } else { plain_energy(residual, whitening) }
-}
-
-fn faded_energy(model: &Model, residual: &[f64], whitening: &Whitening) -> f64 {
-    let all = segments(&model.strikes, residual.len(), whitening.order());
-    let squared = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
-    let of_segment = |segment: &Segment| {
-        let mut behind = whitening.filtered(residual, segment.free..segment.end);
-        whitening.fade(&mut behind);
-        squared(&whitening.filtered(residual, segment.start..segment.free)) + squared(&behind)
-    };
-    let sums: Vec<f64> = all.par_iter().map(of_segment).collect();
-    let before = all.first().map_or(residual.len(), |first| first.start);
-    squared(&whitening.filtered(residual, 0..before)) + sums.into_iter().sum::<f64>()
-}
-
-fn plain_energy(residual: &[f64], whitening: &Whitening) -> f64 {
+/// Energy of the whitened residual, summed in an order that does not depend on threads.
+pub(crate) fn energy(residual: &[f64], whitening: &Whitening) -> f64 {
     const CHUNK: usize = 1 << 16;
     let starts: Vec<usize> = (0..residual.len()).step_by(CHUNK).collect();
     let sums: Vec<f64> = starts
@@ -178,8 +161,7 @@ fn of_segment(
     let mut normal = rows.transpose() * &rows;
     let mut right = rows.tr_mul(&left);
     if segment.end > segment.free {
-        let mut tail = whitening.filtered(residual, segment.free..segment.end);
-        whitening.fade(&mut tail);
+        let tail = whitening.filtered(residual, segment.free..segment.end);
         add_ringing_equations(model, after, &tail, whitening, &mut normal, &mut right);
     }
     (before.first, normal, right)
@@ -197,11 +179,10 @@ fn add_ringing_equations(
     right: &mut DVector<f64>,
 ) {
     let stretch = Stretch::ringing(tail);
-    let faded: Vec<Pole> = model.poles.iter().map(|&pole| whitening.faded(pole)).collect();
-    let bases: Vec<Basis> = faded.iter().map(|&pole| Basis::new(pole, &stretch)).collect();
+    let bases: Vec<Basis> = model.poles.iter().map(|&pole| Basis::new(pole, &stretch)).collect();
     let gram = gram(&bases);
     let mut along = DVector::zeros(4 * model.poles.len());
-    for (mode, &pole) in faded.iter().enumerate() {
+    for (mode, &pole) in model.poles.iter().enumerate() {
         let [plain, ramp] = project(pole, tail);
         for (row, sum) in [(0, plain), (2, ramp)] {
             along[4 * mode + row] = sum.re;

@@ -9,7 +9,6 @@ use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
 use super::fit::{fit, is_clipped};
 use super::layout::Layout;
-use super::room::{BackgroundBand, RoomEstimate, background};
 use super::spline::Weights;
 use crate::modes::Settings;
 
@@ -95,16 +94,9 @@ pub struct Estimate {
     pub acceleration: f64,
     /// Standard deviation of the acceleration sound; 0 if there is none.
     pub acceleration_sd: f64,
-    /// Room that is heard behind all strikes; `None` if the recording is dry, or has positions or
-    /// several strikers.
-    pub room: Option<RoomEstimate>,
-    /// Stationary noise in octaves: medians over time of what modes, strikes and room leave.
-    ///
-    /// Empty for a recording that is shorter than 8192 samples.
-    pub background: Vec<BackgroundBand>,
-    /// Rms of what modes, strikes and room leave of the recording, in dB of full scale.
+    /// Rms of what the model leaves of the recording, in dB of full scale.
     pub left_dbfs: f64,
-    /// Samples that modes, strikes and room leave of the recording.
+    /// Samples that the model leaves of the recording.
     #[serde(skip)]
     pub residual: Vec<f64>,
 }
@@ -128,7 +120,6 @@ pub fn estimate(
 ) -> Result<Estimate, StrikesError> {
     let joint = fit(samples, rate_hz, settings, layout, &told)?;
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
-    estimate.room = joint.room;
     let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     for strike in &mut estimate.strikes {
         strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
@@ -205,8 +196,6 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
         contact_times_are_heard: model.contact_times_are_held,
         acceleration: model.acceleration,
         acceleration_sd: deviations.acceleration,
-        room: None,
-        background: background(&fitted.residual, rate_hz),
         left_dbfs: 10.0 * power.max(1e-30).log10(),
         residual: fitted.residual,
     }

@@ -7,11 +7,10 @@ use super::completion::{completed, worthy};
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::equations::energy;
 use super::error::StrikesError;
-use super::free::{FreeModes, Guard, Surroundings, free_modes};
+use super::free::{FreeModes, Guard, free_modes};
 use super::heard::{contradicts_sound, log_deviation, with_heard_peaks, with_heard_times};
 use super::layout::Layout;
 use super::rises::rises;
-use super::room::{RoomEstimate, first_model, in_a_room, in_room, told_of};
 use super::strikers::assigned;
 use super::whitening::Whitening;
 use crate::modes::Settings;
@@ -52,11 +51,8 @@ const FIRST_MODES: usize = 16;
 /// A fitted recording with the bounds of its numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct JointFit {
-    /// Fit of the recording, without the room's answer if there is a room.
     pub(crate) fitted: Fitted,
     pub(crate) deviations: Deviations,
-    /// Room that is heard behind all strikes; `None` if none is.
-    pub(crate) room: Option<RoomEstimate>,
 }
 
 /// Fits all strikes of a recording together; `told` gets the share of the work that is done.
@@ -75,19 +71,7 @@ pub(crate) fn fit(
     if is_short {
         return Err(StrikesError::TooShort { seconds: samples.len() as f64 / rate_hz });
     }
-    let onsets = rises(samples, rate_hz);
-    let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
-    let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[], Surroundings::Dry)
-        .ok_or(StrikesError::TooFew { found: onsets.len() })?;
-    // One answer for all strikes asks for one place.
-    if layout == Layout::default()
-        && let Some((free, all)) = in_a_room(samples, &free, rate_hz, settings)
-        && let Ok(found) = fit_in_room(samples, rate_hz, (&free, &all), settings, told)
-        && found.room.is_some()
-    {
-        return Ok(found);
-    }
-    let (free, all) = between_strikes(samples, rate_hz, settings, (free, onsets), &|share| told(0.25 * share))?;
+    let (free, all) = between_strikes(samples, rate_hz, settings, &|share| told(0.25 * share))?;
     let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     // Clipped strikes tell no contacts; what they ring is found in what the others leave.
     let clipped = |onset: usize| is_clipped(samples, onset, rate_hz, largest);
@@ -125,37 +109,7 @@ pub(crate) fn fit(
         }
     }
     told(1.0);
-    Ok(JointFit { fitted, deviations, room: None })
-}
-
-/// Fits all strikes of a recording at one place in a room, from its modes and strikes between
-/// strikes.
-fn fit_in_room(
-    samples: &[f64],
-    rate_hz: f64,
-    (free, all): (&FreeModes, &[usize]),
-    settings: Settings,
-    told: &dyn Fn(f64),
-) -> Result<JointFit, StrikesError> {
-    refuse_too_many(all, samples.len(), rate_hz)?;
-    let first = first_model(samples, free, (all, all), rate_hz).ok_or(StrikesError::TooFew { found: all.len() })?;
-    told(0.3);
-    let complete = |fitted: Fitted, dried: &[f64], round: usize| {
-        // What stands out beside the answer is no mode.
-        let known = Settings { most_modes: fitted.model.poles.len(), ..settings };
-        let so_far = 0.3 + 0.3 * round as f64;
-        with_all(fitted, dried, rate_hz, known, Layout::default(), &|share| told(so_far + 0.25 * share))
-    };
-    let mut found = in_room(first, samples, rate_hz, complete)?;
-    if found.fitted.model.strikes.len() < LEAST_STRIKES {
-        return Err(StrikesError::TooFew { found: found.fitted.model.strikes.len() });
-    }
-    refuse_unexplained(&found.fitted, samples, UNEXPLAINED)?;
-    let of_room = told_of(&found, rate_hz).ok_or(StrikesError::Untold)?;
-    found.deviations.poles = of_room.poles;
-    found.deviations.gains = of_room.gains.into_iter().map(|gain| vec![gain]).collect();
-    told(1.0);
-    Ok(JointFit { fitted: found.fitted, deviations: found.deviations, room: of_room.room })
+    Ok(JointFit { fitted, deviations })
 }
 
 /// Modes between strikes, and moments near which strikes begin, in turn.
@@ -163,17 +117,18 @@ fn between_strikes(
     samples: &[f64],
     rate_hz: f64,
     settings: Settings,
-    (mut free, mut onsets): (FreeModes, Vec<usize>),
     told: &dyn Fn(f64),
 ) -> Result<(FreeModes, Vec<usize>), StrikesError> {
+    let mut onsets = rises(samples, rate_hz);
     let rising = onsets.len();
+    let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
+    let mut free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
+        .ok_or(StrikesError::TooFew { found: onsets.len() })?;
     for round in 0..ROUNDS {
         told((round as f64 + 1.0) / (ROUNDS as f64 + 1.0));
         let white = free.whitening.filtered(samples, 0..samples.len());
-        let changed: Vec<usize> = changes(&white, &free.poles, rate_hz, free.white_variance, 0.0)
-            .into_iter()
-            .map(|change| change.0)
-            .collect();
+        let changed: Vec<usize> =
+            changes(&white, &free.poles, rate_hz, free.white_variance).into_iter().map(|change| change.0).collect();
         refuse_too_many(&changed, samples.len(), rate_hz)?;
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
@@ -181,7 +136,7 @@ fn between_strikes(
         if is_settled {
             break;
         }
-        let next = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, &free.poles, Surroundings::Dry);
+        let next = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, &free.poles);
         match next.filter(|next| !next.poles.is_empty()) {
             Some(next) => free = next,
             None if free.poles.is_empty() => return Err(StrikesError::NoModes),
@@ -289,7 +244,7 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
     }
     let other = Fitted::new(next, samples, whitening);
     // Gains told by few strikes may be wrong by any factor.
-    if other.energy < energy(&other.model, samples, whitening) { other } else { fitted }
+    if other.energy < energy(samples, whitening) { other } else { fitted }
 }
 
 /// The fit with contact times as they are heard, if those that it has contradict them and it leaves

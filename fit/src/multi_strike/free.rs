@@ -9,9 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::whitening::Whitening;
-use crate::modes::{
-    Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, project, refine, standing_out,
-};
+use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine, standing_out};
 use crate::parabola;
 
 /// Time in seconds in which a contact lies, about the moment near which it was found.
@@ -30,15 +28,6 @@ impl Guard {
     pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006 };
 }
 
-/// Place in which a recording was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Surroundings {
-    /// A place without echoes.
-    Dry,
-    /// A room that answers.
-    Room,
-}
-
 /// Poles, and what they leave between strikes: its variance, and the filter that makes it white.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeModes {
@@ -47,8 +36,6 @@ pub(crate) struct FreeModes {
     pub(crate) whitening: Whitening,
     /// Variance of what is left, filtered.
     pub(crate) white_variance: f64,
-    /// Energy that is left near the frequency of a mode, as a share of the mode's: the median.
-    pub(crate) wandering: f64,
 }
 
 /// Number of stretches, those of most significance, that do not count for a mode.
@@ -102,7 +89,6 @@ pub(crate) fn free_modes(
     rate_hz: f64,
     settings: Settings,
     known: &[Pole],
-    surroundings: Surroundings,
 ) -> Option<FreeModes> {
     let chosen = loudest_stretches(samples, onsets, guard, rate_hz, MOST_STRETCHES);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
@@ -118,11 +104,7 @@ pub(crate) fn free_modes(
         let residuals = residuals(&groups, &model);
         let noise = NoiseFloor::of_residual(&residuals.concat());
         let free = settings.most_modes.saturating_sub(model.poles.len());
-        let mut candidates = search(&residuals, &noise, range, threshold, free);
-        if surroundings == Surroundings::Room {
-            candidates.retain(|candidate| stands_out_of_room(candidate, &model, &noise, rate_hz));
-        }
-        let candidates: Vec<Pole> = candidates.into_iter().map(|candidate| candidate.pole).collect();
+        let candidates = search(&residuals, &noise, range, threshold, free);
         if candidates.is_empty() {
             break;
         }
@@ -140,9 +122,8 @@ pub(crate) fn free_modes(
         let Some(more) = more else { break };
         model = more;
     }
-    let mut quiet = residuals(&groups, &model);
-    let wandering = wandering(&quiet, &model, rate_hz);
     // A stretch with a missed strike in it tells no noise.
+    let mut quiet = residuals(&groups, &model);
     let power = |left: &Vec<f64>| left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64;
     quiet.sort_by(|a, b| power(a).total_cmp(&power(b)));
     let variance = power(&quiet[quiet.len() / 4]).max(LEAST_VARIANCE);
@@ -154,7 +135,7 @@ pub(crate) fn free_modes(
     let white_variance = white[white.len() / 2].max(LEAST_VARIANCE);
     let mut poles = model.poles;
     poles.sort_by(|a, b| a.angular.total_cmp(&b.angular));
-    Some(FreeModes { poles, variance, whitening, white_variance, wandering })
+    Some(FreeModes { poles, variance, whitening, white_variance })
 }
 
 /// Order of the filter that makes the noise between strikes white.
@@ -201,8 +182,7 @@ pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settin
     let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
     let noise = NoiseFloor::of_residual(&residuals.concat());
     let range = search_range(length, rate_hz, settings);
-    let found = search(&residuals, &noise, range, threshold(residuals.len(), residual.len()), settings.most_modes);
-    found.into_iter().map(|candidate| candidate.pole).collect()
+    search(&residuals, &noise, range, threshold(residuals.len(), residual.len()), settings.most_modes)
 }
 
 /// Maximum number of stretches in which left over modes are searched for.
@@ -218,13 +198,7 @@ pub(crate) fn search_range(length: usize, rate_hz: f64, settings: Settings) -> S
 }
 
 /// Most significant poles that the residuals of all stretches have in common.
-fn search(
-    residuals: &[Vec<f64>],
-    noise: &NoiseFloor,
-    range: SearchRange,
-    threshold: f64,
-    most: usize,
-) -> Vec<Candidate> {
+fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, threshold: f64, most: usize) -> Vec<Pole> {
     let decays: Vec<f64> = range.decays().collect();
     let expected = 2.0 * residuals.len() as f64;
     let found: Vec<Candidate> = decays
@@ -238,49 +212,8 @@ fn search(
         .filter(|candidate| candidate.significance > threshold && range.holds(candidate.pole.angular))
         .collect();
     let length = residuals.iter().map(Vec::len).max().unwrap_or(1);
-    standing_out(found, threshold, most, length)
+    standing_out(found, threshold, most, length).into_iter().map(|candidate| candidate.pole).collect()
 }
-
-/// True if a candidate is more than a room's answer to the modes that are known.
-///
-/// The answer to a mode has the mode's frequencies, a little wider by the room's own decay.
-fn stands_out_of_room(candidate: &Candidate, model: &Model, noise: &NoiseFloor, rate_hz: f64) -> bool {
-    let energy = candidate.significance * noise.variance(candidate.pole.angular);
-    model.poles.iter().zip(&model.worth).all(|(pole, worth)| {
-        let width = pole.decay + candidate.pole.decay + WIDER_PER_S / rate_hz;
-        let distance = candidate.pole.angular - pole.angular;
-        energy > ANSWERED * worth * width * width / (width * width + distance * distance)
-    })
-}
-
-/// Largest share of a mode's energy that one further mode takes of a room's answer.
-const ANSWERED: f64 = 0.3;
-/// Decay of a room in 1/s by which the answer to a mode is wider than the mode.
-const WIDER_PER_S: f64 = 14.0;
-
-/// Energy that is left near the frequency of a mode, as a share of the mode's: the median over all
-/// loud modes and stretches.
-fn wandering(residuals: &[Vec<f64>], model: &Model, rate_hz: f64) -> f64 {
-    let block = samples_in(NEAR_MODE_S, rate_hz).max(1);
-    let mut shares = Vec::new();
-    for (left, gains) in residuals.iter().zip(&model.gains) {
-        let energies = model.poles.iter().zip(&gains.modes);
-        let energies: Vec<f64> = energies.map(|(pole, gain)| 0.5 * gain.norm_sqr() * pole.energy(left.len())).collect();
-        let loudest = energies.iter().copied().fold(0.0, f64::max);
-        for (pole, energy) in model.poles.iter().zip(&energies).filter(|(_, energy)| **energy > LOUD * loudest) {
-            let steady = Pole { decay: 1e-9, ..*pole };
-            let near = left.chunks_exact(block).map(|block| project(steady, block)[0].norm_sqr()).sum::<f64>();
-            shares.push(2.0 * near / block as f64 / energy);
-        }
-    }
-    shares.sort_by(f64::total_cmp);
-    shares.get(shares.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// Length in seconds of the blocks in which a sound is looked at near a mode: 40 Hz on either side.
-const NEAR_MODE_S: f64 = 0.025;
-/// Least ratio of the energy of a mode to that of the loudest mode from which it is looked at.
-const LOUD: f64 = 0.03;
 
 /// Frequencies at which one more mode of a decay explains most energy of all stretches.
 fn peaks(residuals: &[Vec<f64>], decay: f64) -> Vec<(f64, f64)> {
@@ -344,16 +277,8 @@ mod tests {
     fn poles_of_all_loud_modes_are_found_between_strikes() {
         let sound = plain(2, 5.0, 8, -60.0);
         let onsets: Vec<usize> = sound.strikes.iter().map(|strike| (strike.at_s * sound.rate_hz) as usize).collect();
-        let found = free_modes(
-            &sound.samples,
-            &onsets,
-            Guard::OF_CHANGE,
-            sound.rate_hz,
-            Settings::default(),
-            &[],
-            Surroundings::Dry,
-        )
-        .map_or(Vec::new(), |free| free.poles);
+        let found = free_modes(&sound.samples, &onsets, Guard::OF_CHANGE, sound.rate_hz, Settings::default(), &[])
+            .map_or(Vec::new(), |free| free.poles);
         let cents = |mode: &crate::multi_strike::synthetic::TrueMode| {
             let distance = |pole: &Pole| (1200.0 * (pole.frequency_hz(sound.rate_hz) / mode.frequency_hz).log2()).abs();
             found.iter().map(distance).fold(f64::INFINITY, f64::min)

@@ -2,12 +2,10 @@
 
 use std::f64::consts::PI;
 
-use kit::{Background, Gain, Kit, Striker};
+use kit::{Gain, Kit, Striker};
 
 use super::estimate::{Estimate, ModeEstimate};
-use super::room::{BackgroundBand, RoomBandEstimate};
 use crate::render::playable;
-use crate::room;
 use crate::segment::Hit;
 use crate::strike::{Fit, Mode, Strike};
 use crate::table::{self, Provenance, item_name};
@@ -21,9 +19,6 @@ const PEAK_EXPONENT: f64 = 1.2;
 /// the gains make up for it at the recording's rate. The object has the gains of all positions.
 /// Each striker has its own modes, and the law `τ = τ1 v^b`: the line through the logarithms of its
 /// contact times over those of its peaks, `m = m1 v^1.2`, m1 the peak of its strongest strike.
-///
-/// A recording in a room gives the table its room and its background. That of a dry recording has
-/// neither, so that it replays the recording down to its noise.
 pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
     let mode_of = |mode: &ModeEstimate, gains: &[[f64; 2]]| {
         let turn = PI * mode.frequency_hz / estimate.rate_hz;
@@ -82,33 +77,8 @@ pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
             ..first.clone()
         });
     }
-    if let Some(room) = &estimate.room {
-        let band = |band: &RoomBandEstimate| room::RoomBand {
-            edges_hz: band.edges_hz,
-            gain_db: band.gain_db,
-            t60_s: band.t60_s,
-        };
-        let bands = room.bands.iter().map(band).collect();
-        let room = room::Room { bands, gain_db: room.gain_db, t60_s: room.t60_s };
-        table = table::with_room(table, &room, 0.0);
-        table.background = background(&estimate.background);
-    }
     playable(&table)
 }
-
-/// Background of a table, from octaves that follow one another.
-fn background(bands: &[BackgroundBand]) -> Option<Background> {
-    let last = bands.last()?;
-    let edges = bands.iter().map(|band| band.edges_hz[0]).chain([last.edges_hz[1]]);
-    Some(Background {
-        seed: BACKGROUND_SEED,
-        edges_hz: edges.map(|edge| edge as f32).collect(),
-        weight: bands.iter().map(|band| 10f64.powf(band.level_dbfs / 20.0) as f32).collect(),
-    })
-}
-
-/// Seed of the background's noise.
-const BACKGROUND_SEED: u32 = 1;
 
 /// Largest peak of a striker's strikes, or of all.
 fn strongest(estimate: &Estimate, striker: Option<usize>) -> f64 {

@@ -1,7 +1,4 @@
-//! Weights of samples: a short filter that makes the noise white, and a weight that fades.
-//!
-//! The filter is the linear prediction of what the model leaves. The weight fades behind each
-//! attack where a room's answer grows.
+//! A short filter that makes the noise white: linear prediction of what the model leaves.
 
 use std::ops::Range;
 
@@ -9,13 +6,9 @@ use nalgebra::{Complex, DMatrix, DMatrixViewMut};
 
 use crate::modes::Pole;
 
-/// Prediction error filter `w[0] = 1, w[1] ..`, and the fading of weights behind an attack.
+/// Prediction error filter `w[0] = 1, w[1] ..`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Whitening {
-    filter: Vec<f64>,
-    /// Decay of the weights in 1/sample; 0 for weights that stay 1.
-    fading: f64,
-}
+pub(crate) struct Whitening(Vec<f64>);
 
 /// Least ratio of the innovation to what it is computed from, so that the filter stays tame.
 const LEAST_RATIO: f64 = 1e-6;
@@ -23,29 +16,7 @@ const LEAST_RATIO: f64 = 1e-6;
 impl Whitening {
     /// No filter: the noise is taken for white.
     pub(crate) fn none() -> Self {
-        Self { filter: vec![1.0], fading: 0.0 }
-    }
-
-    /// No filter, but weights that fade by `fading` a sample behind each attack.
-    pub(crate) fn fading(fading: f64) -> Self {
-        Self { filter: vec![1.0], fading }
-    }
-
-    /// True if weights fade behind an attack: a fit then finds the gains alone.
-    pub(crate) fn fades(&self) -> bool {
-        self.fading > 0.0
-    }
-
-    /// Multiplies the filtered samples behind an attack by their weights.
-    pub(crate) fn fade(&self, behind: &mut [f64]) {
-        if self.fades() {
-            behind.iter_mut().enumerate().for_each(|(n, x)| *x *= (-self.fading * n as f64).exp());
-        }
-    }
-
-    /// Pole of a mode in faded samples.
-    pub(crate) fn faded(&self, pole: Pole) -> Pole {
-        Pole { decay: pole.decay + self.fading, ..pole }
+        Self(vec![1.0])
     }
 
     /// Filter of an order for a residual, by Levinson's and Durbin's recursion.
@@ -68,18 +39,18 @@ impl Whitening {
                 break;
             }
         }
-        Self { filter, fading: 0.0 }
+        Self(filter)
     }
 
     /// Number of earlier samples that a filtered one depends on.
     pub(crate) fn order(&self) -> usize {
-        self.filter.len() - 1
+        self.0.len() - 1
     }
 
     /// Filtered samples of a range; there is silence before the first sample.
     pub(crate) fn filtered(&self, samples: &[f64], range: Range<usize>) -> Vec<f64> {
         let mut filtered = vec![0.0; range.len()];
-        for (back, w) in self.filter.iter().enumerate() {
+        for (back, w) in self.0.iter().enumerate() {
             let silent = back.saturating_sub(range.start).min(range.len());
             let delayed = &samples[(range.start + silent).saturating_sub(back)..];
             filtered[silent..].iter_mut().zip(delayed).for_each(|(sum, x)| *sum += w * x);
@@ -93,7 +64,7 @@ impl Whitening {
         for (mut filtered, rows) in filtered.column_iter_mut().zip(rows.column_iter()) {
             for (index, x) in filtered.iter_mut().enumerate() {
                 let n = index + history;
-                *x = self.filter.iter().enumerate().take(n + 1).map(|(back, w)| w * rows[n - back]).sum();
+                *x = self.0.iter().enumerate().take(n + 1).map(|(back, w)| w * rows[n - back]).sum();
             }
         }
         filtered
@@ -102,7 +73,7 @@ impl Whitening {
     /// Response `W(z) = Σ w[h] z^-h`, and its derivative by `ln z`.
     pub(crate) fn response(&self, pole: Pole) -> [Complex<f64>; 2] {
         let mut sums = [Complex::new(0.0, 0.0); 2];
-        for (back, w) in self.filter.iter().enumerate() {
+        for (back, w) in self.0.iter().enumerate() {
             let power = pole.power(-(back as f64)) * *w;
             sums[0] += power;
             sums[1] -= power * back as f64;
@@ -148,10 +119,7 @@ mod tests {
             })
             .collect();
         let filter = Whitening::of_residual(&noise, 4);
-        assert!(
-            (filter.filter[1] + 0.9).abs() < 0.01 && filter.filter[2..].iter().all(|w| w.abs() < 0.02),
-            "{filter:?}"
-        );
+        assert!((filter.0[1] + 0.9).abs() < 0.01 && filter.0[2..].iter().all(|w| w.abs() < 0.02), "{filter:?}");
         let white = filter.filtered(&noise, 0..noise.len());
         let energy: f64 = white.iter().map(|x| x * x).sum::<f64>() / 1e5;
         assert!((energy - 1.0).abs() < 0.02, "{energy}");

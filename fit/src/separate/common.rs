@@ -219,7 +219,7 @@ impl Search<'_> {
         }
         let explained = self.stretches.iter().enumerate().map(|(group, stretch)| {
             let amplitude = model.gains[group].modes[index].norm_sqr();
-            let energy = 0.5 * amplitude * pole.energy(stretch.samples.len());
+            let energy = 0.5 * amplitude * energy_of(pole, stretch.samples.len());
             (stretch.clip, energy / noise[group].variance(pole.angular))
         });
         let own =
@@ -317,4 +317,10 @@ fn significance(residual: &[f64], noise: &NoiseFloor, decay: f64, longest: usize
     let angular = |bin: usize| PI * bin as f64 / (size / 2) as f64;
     let bins = output.iter().enumerate();
     bins.map(|(bin, value)| 2.0 * value.norm_sqr() / energy / noise.variance(angular(bin)) - 2.0).collect()
+}
+
+/// Energy `Σ |z|²ⁿ` of a mode in a stretch.
+fn energy_of(pole: Pole, length: usize) -> f64 {
+    let twice = 2.0 * pole.decay;
+    (1.0 - (-twice * length as f64).exp()) / (1.0 - (-twice).exp())
 }

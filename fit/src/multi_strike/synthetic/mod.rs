@@ -26,17 +26,6 @@ pub struct StruckOften {
     pub strikes: Vec<TrueStrike>,
     /// Rms of the noise in the sound.
     pub noise_rms: f64,
-    /// Room that answers; `None` for a dry recording.
-    pub room: Option<TrueRoom>,
-}
-
-/// The room of a synthetic recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrueRoom {
-    /// T60 in seconds at low frequencies.
-    pub t60_s: f64,
-    /// Energy of the room's response relative to that of the direct sound, in dB.
-    pub gain_db: f64,
 }
 
 /// A mode of a synthetic object.
@@ -187,7 +176,7 @@ pub(super) fn render(
     for mode in &mut modes {
         mode.gain = mode.gain.map(|gain| gain * PEAK / peak);
     }
-    StruckOften { samples, rate_hz: RATE_HZ, modes, strikes, noise_rms, room: None }
+    StruckOften { samples, rate_hz: RATE_HZ, modes, strikes, noise_rms }
 }
 
 /// Adds the motion of a mode under the half-sine force of a strike.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{RATE_HZ, StruckOften, TrueRoom, plain};
+use super::{RATE_HZ, StruckOften, plain};
 use crate::random::SplitMix64;
 
 /// Many strikes at one place of an object in a room: the set *room*.
@@ -16,7 +16,6 @@ pub fn in_room(seed: u64, seconds: f64, count: usize) -> StruckOften {
     let t60_s = 0.35 + 0.45 * random.uniform();
     let level = 10f64.powf(-(9.0 + 5.0 * random.uniform()) / 20.0);
     let reflected = convolved(&sound.samples, &room_response(&mut random, t60_s, level));
-    sound.room = Some(TrueRoom { t60_s, gain_db: 20.0 * level.log10() });
     sound.noise_rms = 10f64.powf(PINK_DBFS / 20.0);
     let pink = pink_noise(&mut random, sound.samples.len());
     let step = 2f64.powi(-23);
