@@ -81,11 +81,11 @@ fn another_seed_is_another_profile_and_the_same_seed_the_same() {
 fn section_is_the_profile_as_measured() {
     let heights = computed();
     let from = 20_000;
-    let source = Source::Section([from as f64 * STEP_M, (from + 3_000) as f64 * STEP_M]);
+    let source = Source::Section([f64::from(from) * STEP_M, f64::from(from + 3_000) * STEP_M]);
     let (table, ..) = table(&heights, Options { source, ..Options::default() });
     // The first 20 points are left out, and the first ten shortest waves are faded.
     let at = |point: usize| {
-        let place = 20.0 + from as f64 + point as f64 * table.step_m / STEP_M;
+        let place = 20.0 + f64::from(from) + point as f64 * table.step_m / STEP_M;
         let (below, share) = (place as usize, place.fract());
         (1.0 - share) * heights.values[below] + share * heights.values[below + 1]
     };
@@ -169,7 +169,7 @@ fn heights_in_another_unit_are_doubted() {
 #[test]
 fn surfaces_that_tell_nothing_are_refused_by_name() {
     let of = |values: Vec<f64>| Heights { step_m: STEP_M, columns: values.len(), values };
-    let refused = |heights: Heights, options: Options| fit(heights, &options, |_| {}).err().expect("it is no surface");
+    let refused = |heights: Heights, options: Options| fit(heights, &options, |_| {}).expect_err("it is no surface");
     let defaults = Options::default();
     assert!(matches!(refused(of(vec![1e-6; 200]), defaults), SurfaceError::TooFew { .. }));
     let line = (0..4_000).map(|n| 1e-6 * f64::from(n)).collect();
