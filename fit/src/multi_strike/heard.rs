@@ -15,16 +15,16 @@ use crate::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
 
 /// Width at half maximum of a half-sine, as a share of its length.
 const HALF_SINE_FWHM: f64 = 2.0 / 3.0;
-/// Ratio of a contact time to the heard one from which it is far: heard ones are good to a fifth.
+/// Ratio of a contact time to the heard one from which it is far longer: heard ones are good to a fifth.
 const FAR: f64 = 1.5;
 /// Standard deviations on either side that an interval of 90 % holds.
 const DEVIATIONS: f64 = 1.645;
 
-/// True if more than half of a model's contact times are far from those that are heard.
+/// True if more than half of a model's contact times are far longer than those that are heard.
 pub(crate) fn contradicts_sound(model: &Model, samples: &[f64], rate_hz: f64) -> bool {
     let is_far = |index: &usize| {
         let heard = heard_time(model, *index, samples, rate_hz);
-        heard.is_some_and(|heard| (model.strikes[*index].contact.time / heard).ln().abs() > FAR.ln())
+        heard.is_some_and(|heard| model.strikes[*index].contact.time > FAR * heard)
     };
     2 * (0..model.strikes.len()).filter(is_far).count() > model.strikes.len()
 }
