@@ -1,8 +1,8 @@
-//! Fits excerpts of the set *plain* by the joint fit and by descent, and prints the errors of both.
+//! Errors of the joint fit and of the descent on excerpts of the set *plain*.
 //!
-//! `cargo bench -p fit --bench descent` fits three excerpts of 2 s with four strikes, and gives the
-//! descent ten times the CPU time of the joint fit; `-- SEEDS FIRST TIMES` chooses the number of
-//! seeds, the first one and how many times the CPU time.
+//! `cargo bench -p fit --bench descent` fits three excerpts of 2 s with four strikes. The descent
+//! gets ten times the CPU time of the joint fit. `-- SEEDS FIRST TIMES` chooses the number of seeds,
+//! the first seed, and this factor.
 
 use cpu_time::ProcessTime;
 use fit::descent;
@@ -21,7 +21,7 @@ const NEAR_CENTS: f64 = 20.0;
 const HEARD_PERCENT: f64 = 5.0;
 /// Number of steps from which the time of a step is measured.
 const TIMED_STEPS: usize = 20;
-/// Factor of the steps by which the descent gets rather more time than less: late steps are faster.
+/// Factor of the number of steps, because late steps are faster than those that are timed.
 const MARGIN: f64 = 1.15;
 
 /// Errors of one way.

@@ -70,7 +70,7 @@ impl<'a> Descent<'a> {
 /// deviations: they are NaN, which JSON writes as `null`. Contact times are those of Gaussians
 /// (eq. 2), and onsets those of the contacts that these smooth. Modes 50 dB below the loudest and
 /// pulses 40 dB below the strongest are left out. The residual is the recording without the sound
-/// of strikes and room; modes are sines without phases, so that it may be as loud as the recording.
+/// of strikes and room. It may be as loud as the recording, because modes have no phases.
 /// A step takes about 35 ms for each second of sound, with 64 modes (docs/multi-strike.md has the
 /// accuracy). `told` gets the share of the work that is done, from 0 to 1.
 ///

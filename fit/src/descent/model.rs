@@ -27,8 +27,8 @@ const START_ACCELERATION: f64 = 0.1;
 const START_SPREAD: f64 = 0.1;
 /// Standard deviation of the random magnitudes at the start.
 ///
-/// The paper prints none. The noise on them lets other nodes than the first become a window's peak,
-/// as long as magnitudes differ by no more than it.
+/// The paper prints no number. At this one the noise on magnitudes is as large as their
+/// differences, so that any node of a window may become its peak.
 const START_MAGNITUDES: f64 = 0.1;
 
 /// A recording's model without its learned numbers.

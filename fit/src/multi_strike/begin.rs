@@ -26,14 +26,14 @@ const POOR: f64 = 4.0;
 const STARTS: usize = 3;
 /// Relative difference of what two starting models leave up to which they are one.
 const SAME: f64 = 1e-6;
-/// Energy in units of the noise by which a coarse descent may be worse than the best fit, and still
-/// be continued.
+/// Largest energy over that of the best fit, in units of the noise, at which a coarse descent is
+/// continued.
 const FAR_OFF: f64 = 50.0;
 
 /// First fit, from the start that explains most.
 ///
-/// A start whose contacts explain the recording poorly is followed by one from the gains of another
-/// strike.
+/// If the contacts of a start explain the recording poorly, the next one begins with the gains of
+/// another strike. If the contact times are far longer than those heard, the latter are held.
 pub(super) fn begun(
     samples: &[f64],
     free: &FreeModes,

@@ -247,8 +247,7 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
     if other.energy < energy(samples, whitening) { other } else { fitted }
 }
 
-/// The fit with contact times as they are heard, if those that it has contradict them and it leaves
-/// more than noise.
+/// The fit with heard contact times in place of far longer ones, if it leaves more than noise.
 fn as_heard(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
     let is_told = left_share(&fitted, samples) < NOISE || layout != Layout::default();
     if is_told || fitted.model.contact_times_are_held || !contradicts_sound(&fitted.model, samples, rate_hz) {

@@ -15,7 +15,9 @@ use crate::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
 
 /// Width at half maximum of a half-sine, as a share of its length.
 const HALF_SINE_FWHM: f64 = 2.0 / 3.0;
-/// Ratio of a contact time to the heard one from which it is far longer: heard ones are good to a fifth.
+/// Ratio of a contact time to the heard one from which it is far longer.
+///
+/// Heard ones are good to a fifth.
 const FAR: f64 = 1.5;
 /// Standard deviations on either side that an interval of 90 % holds.
 const DEVIATIONS: f64 = 1.645;
