@@ -1,8 +1,8 @@
 //! Errors of the joint fit and of the descent on excerpts of the set *plain*.
 //!
 //! `cargo bench -p fit --bench descent` fits three excerpts of 2 s with four strikes. The descent
-//! gets ten times the CPU time of the joint fit. `-- SEEDS FIRST TIMES` chooses the number of seeds,
-//! the first seed, and this factor.
+//! gets ten times the CPU time of the joint fit. `-- SEEDS FIRST TIMES` chooses the number of
+//! seeds, the first seed, and this factor.
 
 use cpu_time::ProcessTime;
 use fit::descent;
