@@ -8,7 +8,7 @@ use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::equations::energy;
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
-use super::heard::{contradicts_sound, log_deviation, with_heard_peaks, with_heard_times};
+use super::heard::{log_deviation, with_heard_peaks};
 use super::layout::Layout;
 use super::rises::rises;
 use super::strikers::assigned;
@@ -35,8 +35,6 @@ const MOST_STALLED: usize = 2;
 const UNEXPLAINED: f64 = 0.25;
 /// Share of the energy that the first fit leaves from which no completion helps: -0.5 dB.
 const UNEXPLAINED_AT_FIRST: f64 = 0.89;
-/// Share of the recording's energy that is left up to which it is noise: -20 dB.
-const NOISE: f64 = 0.01;
 /// Number of rises of the sound from which on too few strikes are not for want of strikes.
 const MANY_RISES: usize = 5;
 /// Maximum number of strikes a second, in the mean of a recording.
@@ -95,7 +93,6 @@ pub(crate) fn fit(
     told(0.9);
     fitted = at_best_time(fitted, samples, &whitening);
     told(0.95);
-    fitted = as_heard(fitted, samples, &whitening, rate_hz, layout);
     fitted = with_acceleration(fitted, samples, &whitening);
     if fitted.model.contact_times_are_held {
         fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
@@ -162,17 +159,12 @@ fn refuse_too_many(onsets: &[usize], length: usize, rate_hz: f64) -> Result<(), 
 }
 
 fn refuse_unexplained(fitted: &Fitted, samples: &[f64], most: f64) -> Result<(), StrikesError> {
-    let left = left_share(fitted, samples);
+    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+    let left = energy(&fitted.residual) / energy(samples);
     if left > most {
         return Err(StrikesError::Unexplained { left_db: 10.0 * left.log10() });
     }
     Ok(())
-}
-
-/// Share of a recording's energy that a model leaves.
-fn left_share(fitted: &Fitted, samples: &[f64]) -> f64 {
-    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
-    energy(&fitted.residual) / energy(samples)
 }
 
 /// True if the sound stands still at its largest value near a moment at which a strike begins.
@@ -245,18 +237,6 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
     let other = Fitted::new(next, samples, whitening);
     // Gains told by few strikes may be wrong by any factor.
     if other.energy < energy(samples, whitening) { other } else { fitted }
-}
-
-/// The fit with heard contact times in place of far longer ones, if it leaves more than noise.
-fn as_heard(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
-    let is_told = left_share(&fitted, samples) < NOISE || layout != Layout::default();
-    if is_told || fitted.model.contact_times_are_held || !contradicts_sound(&fitted.model, samples, rate_hz) {
-        return fitted;
-    }
-    match with_heard_times(&fitted.model, samples, rate_hz) {
-        Some(held) => descend(Fitted::new(held, samples, whitening), samples, whitening, Ending::FINE),
-        None => fitted,
-    }
 }
 
 /// The fit with acceleration sound, if that explains more than its number costs.
