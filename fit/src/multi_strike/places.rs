@@ -49,7 +49,7 @@ struct Trial {
 
 /// Starting models from changes of amplitudes, one for each contact time tried, the best first.
 ///
-/// Times and levels begin from the strongest strike but `attempt`.
+/// Times and levels begin from the strongest strike, once `attempt` stronger ones are passed over.
 pub(crate) fn starts_at_places(
     changes: &[Change],
     poles: &[Pole],

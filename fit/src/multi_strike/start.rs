@@ -37,7 +37,8 @@ const LEAST_MODES: usize = 4;
 
 /// Starting models from the strikes near `onsets`, one for each contact time tried.
 ///
-/// The best fitting comes first. Gains are at first those of the strongest strike but `attempt`.
+/// The best fitting comes first. Gains are at first those of the strongest strike, once `attempt`
+/// stronger ones are passed over.
 /// Strikes that are not among the usable ones are left out, and those too close to their neighbours
 /// for an amplitude of their own.
 pub(crate) fn starts(
@@ -68,7 +69,7 @@ pub(crate) fn starts(
     found.into_iter().map(|(_, model)| model).collect()
 }
 
-/// Index of the largest value but a number of others.
+/// Index of the value that `others` values exceed.
 pub(super) fn strongest_but(values: &[f64], others: usize) -> Option<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
