@@ -74,16 +74,18 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
         check_clipping(recording, &hits)?;
         return Ok((hits, notes));
     }
+    let mut has_risen = false;
     for (index, &now) in power.iter().enumerate() {
-        // A rise may lie across two frames.
-        let just_before = index.saturating_sub(BEFORE + 1)..index.saturating_sub(1).max(index.min(1));
-        let before = power[just_before].iter().copied().fold(0.0, f64::max);
+        // A rise may lie across two frames, unless the frame before has risen already.
+        let until = if has_risen { index } else { index.saturating_sub(1).max(index.min(1)) };
+        let before = power[index.saturating_sub(BEFORE + 1)..until].iter().copied().fold(0.0, f64::max);
         let at_start = index == 0;
         let rises = if at_start {
             now > loudest * 0.01
         } else {
             now > RISE * before && now > ABOVE_NOISE * floor.min(loudest * 1e-4)
         };
+        has_risen = rises;
         if !rises || now < loudest * BELOW_LOUDEST {
             continue;
         }
