@@ -28,6 +28,11 @@ pub(crate) fn power_of_two(x: f64) -> f64 {
     power * (1.0 - loss((whole - x) * core::f64::consts::LN_2))
 }
 
+/// Ratio `10^(dB/20)` of a level in dB from -6000 to 6000. The relative error is below 2e-15.
+pub(crate) fn ratio_of_db(db: f64) -> f64 {
+    power_of_two(db * (core::f64::consts::LOG2_10 / 20.0))
+}
+
 /// Power `base^exponent` of a base that is at least 0, for results in the range of `f64`. The
 /// relative error is below 4e-16 times the power's logarithm, and 4e-16.
 pub(crate) fn power(base: f64, exponent: f64) -> f64 {

@@ -21,6 +21,7 @@ pub mod radiation;
 pub mod residual;
 pub mod resonator;
 pub mod room;
+pub mod scrape;
 pub mod table;
 pub mod time;
 pub mod trigger;

@@ -28,6 +28,7 @@
 //! | [`dynamic_filter`] | noise through a filter that changes | dynamic filtering eq. 5, 6, 17 |
 //! | [`waveguide`] | loops round the dynamic filter | dynamic filtering eq. 8 to 13 |
 //! | [`biquad`] | chains of biquads beside the modes | diffmodal eq. 2, 3 |
+//! | [`scrape`] | force of a scrape or a roll | scraping-rolling eq. 1 to 7, 15 to 19 |
 //! | [`residual`] | noise in decaying bands beside the modes | physics-diffusion eq. 5, 6 |
 //! | [`pad`] | one object with its filters and strikers, and all they radiate | eq. 1 |
 //! | [`scene`] | several pads: level, pan, stereo, and 24-bit quantisation | this project |
@@ -102,6 +103,7 @@ pub mod residual;
 pub mod resonator;
 pub mod room;
 pub mod scene;
+pub mod scrape;
 pub mod trigger;
 pub mod waveguide;
 

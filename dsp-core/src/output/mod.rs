@@ -33,7 +33,7 @@ impl Panner {
 
     /// Makes a panner from a level in dB and a pan from -1 (left) to 1 (right).
     pub fn new(level_db: f32, pan: f32) -> Self {
-        let level = exponential::power_of_two(f64::from(level_db) * (core::f64::consts::LOG2_10 / 20.0));
+        let level = exponential::ratio_of_db(f64::from(level_db));
         let angle = (f64::from(pan) + 1.0) * core::f64::consts::FRAC_PI_4;
         let (left, right) = (level * sine::cos(angle), level * sine::sin(angle));
         let loudest = left.max(right);

@@ -118,6 +118,11 @@ pub enum TableError {
         /// Number of such things in the kit.
         count: usize,
     },
+    /// A striker rolls, but does not scrape.
+    RollAlone {
+        /// Place of the striker.
+        place: Place,
+    },
     /// A name is empty, begins or ends with a space, or has a character other than printable ASCII
     /// without `,` and `"`.
     BadName {
@@ -288,6 +293,10 @@ impl fmt::Display for TableError {
             Self::GaussianRestitution { place, value } => write!(
                 f,
                 "{place}: restitution = {value}: a gaussian pulse has none; leave the key out, or take pulse = \"hertz\""
+            ),
+            Self::RollAlone { place } => write!(
+                f,
+                "{place}: a striker with a table [striker.roll] must have [striker.scrape] too; give it one with its mass_kg"
             ),
             Self::BadText { place } => write!(f, "{place}: source or licence is not UTF-8; save the text as UTF-8"),
             Self::NotZero { place, field } => write!(f, "{place}: {} must be zero", field.key()),

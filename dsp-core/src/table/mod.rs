@@ -8,7 +8,8 @@
 //! sections  one of each:               META PADS
 //!           one for each:              OBJT (objects), STRK (strikers)
 //!           at most one for an object: resi dynf biqd
-//!           at most one of each:       trig bgnd room rest bala
+//!           one for each:              surf (surfaces)
+//!           at most one of each:       trig bgnd room rest bala head osur scrp roll
 //! ```
 //!
 //! All numbers are little-endian, floats are IEEE single precision. Sections are 4-byte aligned and
@@ -18,7 +19,8 @@
 //! [`Kit::parse`] checks every length, index, name and float once and then hands out views without
 //! copying. Each refusal is a [`TableError`] that tells the field, its place, and what is allowed.
 //! The sections `dynf` and `biqd` serve stages that few engines have, and `parse` skips them:
-//! [`Kit::dynamic_filters`] and [`Kit::biquads`] check them for an engine that plays them.
+//! [`Kit::dynamic_filters`] and [`Kit::biquads`] check them for an engine that plays them. So does
+//! [`Kit::check_surfaces`] for `surf`, `osur`, `scrp` and `roll`.
 //!
 //! A new stage is a new section. As in PNG, a reader may skip a section that it does not know if
 //! its tag begins with a lower-case letter. It refuses any other unknown tag, and a newer version
@@ -41,6 +43,7 @@ pub mod range;
 mod residual;
 mod room;
 mod striker;
+mod surface;
 mod trigger;
 
 pub use biquads::Biquads;
@@ -53,4 +56,5 @@ pub use pad::Pad;
 pub use place::{Field, Place};
 pub use residual::{Background, Residual, ResidualBand};
 pub use striker::{ContactTable, Striker};
+pub use surface::Surface;
 pub use trigger::Trigger;

@@ -49,6 +49,10 @@ pub enum Place {
     Room,
     /// The band of this index of the room.
     RoomBand(usize),
+    /// The surface of this index.
+    Surface(usize),
+    /// The scraping or rolling of the striker of this index.
+    StrikerScrape(usize),
 }
 
 /// Field of a kit, named by its key in the text form.
@@ -121,6 +125,30 @@ pub enum Field {
     TimeS,
     VelocityExponent,
     Weight,
+    AlphaExponent,
+    AlphaMaxM,
+    AlphaMinM,
+    Dissipation,
+    Friction,
+    Heights,
+    MassKg,
+    Modulation,
+    Slip,
+    OffsetM,
+    RadiusM,
+    Rows,
+    Scrape,
+    ShortestM,
+    SizeM,
+    SurfaceLevelDb,
+    SlopeExponent,
+    SlopeGain,
+    SmoothingS,
+    StepM,
+    Stiffness,
+    Surface,
+    TiltRad,
+    UnitM,
     Zero,
 }
 
@@ -193,6 +221,30 @@ impl Field {
             Self::TimeS => "time_s",
             Self::VelocityExponent => "velocity_exponent",
             Self::Weight => "weight",
+            Self::AlphaExponent => "alpha_exponent",
+            Self::AlphaMaxM => "alpha_max_m",
+            Self::AlphaMinM => "alpha_min_m",
+            Self::Dissipation => "dissipation",
+            Self::Friction => "friction",
+            Self::Heights => "heights",
+            Self::MassKg => "mass_kg",
+            Self::Modulation => "modulation",
+            Self::Slip => "slip",
+            Self::OffsetM => "offset_m",
+            Self::RadiusM => "radius_m",
+            Self::Rows => "rows",
+            Self::Scrape => "scrape",
+            Self::ShortestM => "shortest_m",
+            Self::SizeM => "size_m",
+            Self::SurfaceLevelDb => "surface_level_db",
+            Self::SlopeExponent => "slope_exponent",
+            Self::SlopeGain => "slope_gain",
+            Self::SmoothingS => "smoothing_s",
+            Self::StepM => "step_m",
+            Self::Stiffness => "stiffness",
+            Self::Surface => "surface",
+            Self::TiltRad => "tilt_rad",
+            Self::UnitM => "unit_m",
             Self::Zero => "zero",
         }
     }
@@ -226,6 +278,8 @@ impl fmt::Display for Place {
             Self::BackgroundBand(band) => write!(f, "background, band {band}"),
             Self::Room => write!(f, "room"),
             Self::RoomBand(band) => write!(f, "room, band {band}"),
+            Self::Surface(surface) => write!(f, "surface {surface}"),
+            Self::StrikerScrape(striker) => write!(f, "striker {striker}, scrape"),
         }
     }
 }

@@ -140,3 +140,46 @@ pub const CHAIN_DEPTH: usize = 4;
 pub const POLE: Range = Range::new(-1.0, 1.0);
 /// Real and imaginary part of a zero.
 pub const ZERO: Range = Range::new(-1e3, 1e3);
+/// Distance of a surface's heights in metres.
+pub const STEP_M: Range = Range::new(1e-7, 0.01);
+/// Height of one unit of a surface in metres.
+pub const UNIT_M: Range = Range::new(1e-15, 1e-3);
+/// Shortest wave of a surface in metres. It must also be at least two steps long.
+pub const SHORTEST_M: Range = Range::new(2e-7, 0.1);
+/// Least and largest number of heights of a surface.
+pub const HEIGHTS: [usize; 2] = [256, 32_768];
+/// Largest number of bytes that a surface takes.
+pub const SURFACE_BYTES: usize = 65_536;
+/// Size of an object in metres, along its positions and across them.
+pub const SIZE_M: Range = Range::new(1e-3, 100.0);
+/// Level in dB of scrapes and rolls on an object.
+pub const SURFACE_LEVEL_DB: Range = Range::new(-80.0, 40.0);
+/// Mass of a scraper in kg.
+pub const MASS_KG: Range = Range::new(1e-6, 100.0);
+/// Gain β1 of the slope.
+pub const SLOPE_GAIN: Range = Range::new(0.0, 1e4);
+/// Exponent β2 of the slope.
+pub const SLOPE_EXPONENT: Range = Range::new(0.25, 4.0);
+/// Limit α in metres. 0 stands for the surface's own, and is allowed as well. The largest limit
+/// must not be below the least.
+pub const ALPHA_M: Range = Range::new(1e-9, 1.0);
+/// Exponent ζ of the limit.
+pub const ALPHA_EXPONENT: Range = Range::new(0.05, 8.0);
+/// Standard deviation of the smoothing in seconds.
+pub const SMOOTHING_S: Range = Range::new(0.0, 2e-4);
+/// Tilt of a scraper in radians. The product of its tangent and the friction must be below 1.
+pub const TILT_RAD: Range = Range::new(0.0, 1.5);
+/// Friction of a scraper.
+pub const FRICTION: Range = Range::new(0.0, 10.0);
+/// Radius of a ball in metres.
+pub const RADIUS_M: Range = Range::new(5e-4, 1.0);
+/// Distance of a ball's centre of mass from its middle, in metres.
+pub const OFFSET_M: Range = Range::new(0.0, 1e-3);
+/// Stiffness of a ball's contact in N/m^1.5.
+pub const STIFFNESS: Range = Range::new(1e3, 1e12);
+/// Dissipation of a ball's contact in N s/m^2.5.
+pub const DISSIPATION: Range = Range::new(0.0, 1e12);
+/// Share of the normal force that goes up and down with the centre of mass.
+pub const MODULATION: Range = Range::new(0.0, 1.0);
+/// Share of the force of scraping that a ball has.
+pub const SLIP: Range = Range::new(0.0, 1.0);

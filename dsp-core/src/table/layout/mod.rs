@@ -4,10 +4,15 @@
 //! All records have alignment 1, so that a kit may lie at any address. Sections are padded to 4
 //! bytes all the same.
 
+mod surface;
 pub mod tag;
 
 use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+pub use surface::{
+    GRID_MULTIPLE, GUARD, LIMITS, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord, SurfaceHeader,
+};
 
 /// First four bytes of a kit.
 pub const MAGIC: [u8; 4] = *b"MALL";

@@ -43,8 +43,20 @@ pub const BALANCE: [u8; 4] = *b"bala";
 /// they play at [`DEFAULT_HEADPHONE_DB`](crate::table::range::DEFAULT_HEADPHONE_DB). A reader
 /// may skip it.
 pub const HEADPHONE: [u8; 4] = *b"head";
+/// Surface: [`SurfaceHeader`](super::SurfaceHeader), heights, curvature, slopes, texts. One section
+/// for each surface; a reader may skip it.
+pub const SURFACE: [u8; 4] = *b"surf";
+/// Surfaces of objects: [`ObjectSurfaceRecord`](super::ObjectSurfaceRecord)s in the order of their
+/// objects. At most one section; a reader may skip it.
+pub const OBJECT_SURFACES: [u8; 4] = *b"osur";
+/// Strikers that scrape: [`ScrapeRecord`](super::ScrapeRecord)s in their order. At most one
+/// section; a reader may skip it.
+pub const SCRAPE: [u8; 4] = *b"scrp";
+/// Strikers that roll: [`RollRecord`](super::RollRecord)s in their order. At most one section; a
+/// reader may skip it.
+pub const ROLL: [u8; 4] = *b"roll";
 /// All tags that this crate knows.
-pub const KNOWN: [[u8; 4]; 13] = [
+pub const KNOWN: [[u8; 4]; 17] = [
     META,
     OBJECT,
     STRIKER,
@@ -58,4 +70,8 @@ pub const KNOWN: [[u8; 4]; 13] = [
     RESTITUTION,
     BALANCE,
     HEADPHONE,
+    SURFACE,
+    OBJECT_SURFACES,
+    SCRAPE,
+    ROLL,
 ];

@@ -1,0 +1,40 @@
+//! Continuous contact: the force on an object that is scraped, or rolled over by a ball
+//! (scraping-rolling §2, §4).
+//!
+//! ```text
+//! motion (tick by tick) --> path: place on the surface --> slope: curvature, limited by tanh
+//!                      \--> normal force: limit α                         |
+//!                                              smoothing (Gaussian) <-----+
+//!                                                  |
+//!   force, Q4.27 <-- scraper: m S'' v² + β1 |v S'|^β2  (+ rolling: k ρ^1.5 + λ ρ^1.5 ρ')
+//! ```
+//!
+//! A [`Scraper`] makes the force of one contact, a tick at a time; the engine takes it as a direct
+//! force. [`table`](crate::table::Surface) holds the surface: its curvature, and the slope of the
+//! limited path `S'` at three limits α, each in octaves of its own resolution.
+//!
+//! A slow contact reads the curvature and limits it as it goes. A fast one would alias: the limit
+//! makes harmonics far above half the sample rate. It takes the mean of `S''` over each frame from
+//! two values of the slope, `(S'(b) - S'(a))/(b - a)`, of the octave whose points lie about a frame
+//! apart.
+
+mod curvature;
+mod difference;
+mod motion;
+mod path;
+mod power;
+mod ramp;
+mod roll;
+mod scale;
+mod scraper;
+mod slope;
+mod smoothing;
+mod spline;
+mod sum;
+mod tanh;
+mod walk;
+
+pub use motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
+pub use path::SEGMENT_STEPS;
+pub use roll::Rolling;
+pub use scraper::{Contact, Scraper};

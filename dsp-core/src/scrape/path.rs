@@ -1,0 +1,121 @@
+//! Place of a contact on a surface.
+//!
+//! A table is short: drawn over again and again, it would be heard as a pitch. So the path is cut
+//! into segments of [`SEGMENT_STEPS`], each of which plays the table from a place of its own. The
+//! place follows from the segment's number alone: who comes back, comes over the same surface.
+//! Towards its end a segment is faded into the next one.
+
+use crate::time::TICK_FRAMES;
+
+/// Longest segment in steps of the table's grid.
+pub const SEGMENT_STEPS: u32 = 1024;
+/// Part of a segment over which it is faded into the next one, as a power of two.
+const FADE_SHIFT: u32 = 4;
+
+/// Place along a surface, Q31.32 steps of the grid; may be negative.
+pub(super) type Steps = i64;
+
+/// Segments of a path over a table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segments {
+    /// Length of a segment: a power of two of steps, as its exponent.
+    bits: u32,
+    /// Number of points of the table.
+    points: u32,
+    seed: u32,
+}
+
+/// Two neighbouring segments, and how the first fades into the second.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    /// From a place on the path to that in the table, in both segments.
+    pub(super) offsets: [Steps; 2],
+    /// Place at which the second segment begins, and length of the fade before it.
+    boundary: Steps,
+    fade: Steps,
+    /// Shift of the fade's length to 1.0 in Q31.
+    shift: u32,
+}
+
+impl Segments {
+    /// Cuts a path over a table of `points` points into segments: at most a third of the table, so
+    /// that two of them seldom overlap.
+    pub(super) const fn new(points: u32, seed: u32) -> Self {
+        let longest = if points < 96 { 5 } else { (points / 3).ilog2() };
+        let bits = if longest < SEGMENT_STEPS.ilog2() { longest } else { SEGMENT_STEPS.ilog2() };
+        Self { bits, points: if points == 0 { 1 } else { points }, seed }
+    }
+
+    /// Number of frames, a power of two, in which a path goes on by less than a quarter of a
+    /// segment at a speed in steps a frame; at least 1.
+    pub(super) fn block(&self, speed: Steps) -> usize {
+        let mut frames = TICK_FRAMES;
+        while frames > 1 && speed.saturating_mul(frames as i64) >= 1 << (30 + self.bits) {
+            frames /= 2;
+        }
+        frames
+    }
+
+    /// The two segments between which the boundary nearest to a place lies.
+    pub(super) fn nearest(&self, place: Steps) -> Pair {
+        let bits = 32 + self.bits;
+        let second = (place + (1 << (bits - 1))) >> bits;
+        Pair {
+            offsets: [self.offset(second - 1), self.offset(second)],
+            boundary: second << bits,
+            fade: 1 << (bits - FADE_SHIFT),
+            shift: self.bits + 1 - FADE_SHIFT,
+        }
+    }
+
+    /// Offset from a place on the path to a segment's place in the table.
+    fn offset(&self, segment: i64) -> Steps {
+        // The finalizer of MurmurHash3 (Appleby, public domain) spreads the bits of the number.
+        let mut x = (segment as u32).wrapping_add(self.seed);
+        x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+        x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
+        x ^= x >> 16;
+        let first = (u64::from(x) * u64::from(self.points)) >> 32;
+        ((first as i64) << 32) - (segment << (32 + self.bits))
+    }
+
+    /// Place in the table, from 0 to its length.
+    pub(super) fn in_table(&self, place: Steps) -> Steps {
+        let length = i64::from(self.points) << 32;
+        let mut place = place;
+        // A few rounds at most: places of a segment lie within a table's length of its begin.
+        while place >= length {
+            place -= length;
+        }
+        while place < 0 {
+            place += length;
+        }
+        place
+    }
+}
+
+impl Pair {
+    /// Weight of the second segment at a place, Q31 from 0 to 1.
+    #[inline(always)]
+    pub(super) fn weight(&self, place: Steps) -> i32 {
+        let within = place - self.boundary + self.fade;
+        if within <= 0 {
+            0
+        } else if within >= self.fade {
+            i32::MAX
+        } else {
+            (within >> self.shift) as i32
+        }
+    }
+
+    /// The one segment that places within a distance of a place lie in, 0 or 1; `None` if both.
+    pub(super) const fn only(&self, place: Steps, distance: Steps) -> Option<usize> {
+        if place - distance >= self.boundary {
+            Some(1)
+        } else if place + distance < self.boundary - self.fade {
+            Some(0)
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Values that change linearly from one end of a tick to the other.
+
+use crate::time::TICK_FRAMES;
+
+/// Linear ramp over a tick, in fixed point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ramp {
+    value: i32,
+    step: i32,
+}
+
+impl Ramp {
+    /// Creates the ramp between the values at a tick's ends. Both must be within ±2^30. At the end
+    /// it is up to 31 steps off, which is nothing for [`Normal`] values.
+    pub(super) const fn new([from, to]: [i32; 2]) -> Self {
+        Self { value: from, step: (to - from) / TICK_FRAMES as i32 }
+    }
+
+    /// Gives the value at the end of the next frame.
+    #[inline(always)]
+    pub(super) const fn next(&mut self) -> i32 {
+        self.value = self.value.wrapping_add(self.step);
+        self.value
+    }
+}
+
+/// Two numbers in fixed point, with as many fraction bits as the larger one allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Normal {
+    /// Numbers, the larger one 2^29 to 2^30 in size unless `bits` is at its limit.
+    pub(super) values: [i32; 2],
+    /// Number of fraction bits.
+    pub(super) bits: i32,
+}
+
+impl Normal {
+    /// Converts two numbers, with at most `most_bits` fraction bits.
+    pub(super) fn new(numbers: [f32; 2], most_bits: i32) -> Self {
+        let [a, b] = numbers.map(f32::abs);
+        let bits = (28 - exponent(if a > b { a } else { b })).min(most_bits);
+        Self { values: numbers.map(|number| fixed_from(number, bits)), bits }
+    }
+}
+
+/// Exponent of a number above 0: the number is `2^exponent` to below twice as much.
+pub(super) fn exponent(number: f32) -> i32 {
+    (number.to_bits() >> 23 & 255) as i32 - 127
+}
+
+/// Number as fixed point with `bits` fraction bits, within ±(2^30 - 1).
+///
+/// `as` saturates, and makes 0 of a number that is none.
+pub(super) fn fixed_from(value: f32, bits: i32) -> i32 {
+    let limit = (1 << 30) - 1;
+    let half = bits / 2;
+    ((value * power_of_two(half) * power_of_two(bits - half)) as i32).clamp(-limit, limit)
+}
+
+/// Power of two, exact, for exponents from -126 to 127.
+pub(super) fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
+}

@@ -1,0 +1,297 @@
+//! Force of one contact that goes on: `f = m S'' v² + β1 |v S'|^β2` (scraping-rolling eq. 1 to 7),
+//! and that of a ball with it (eq. 19).
+
+use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
+use super::power::Powers;
+use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
+use super::roll::{Roll, Rolling, Units};
+use super::scale::Gain;
+use super::slope::{Ends, Reading, Slope};
+use super::smoothing::{Smoothing, deviation_of};
+use super::sum::Sum;
+use crate::SampleRate;
+use crate::exponential;
+use crate::fixed::{self, Log2};
+use crate::table::layout::ScrapeRecord;
+use crate::table::{Kit, Surface};
+use crate::time::TICK_FRAMES;
+
+/// Seconds in which the force of a ball comes when it begins to move, and goes when it rests.
+const GATE_S: f32 = 0.02;
+/// Distance in steps of the grid in which slope and height of the path are lost: 10 shortest waves.
+/// Else a hop to another place of the surface, where slopes do not fit together, would throw the
+/// path far off.
+const LEAK_STEPS: f32 = 28.0;
+/// Largest rises of a frame in the unit of slopes.
+const LARGEST_RISES: f32 = 4.0;
+/// Most times that the unit of rises is halved: at 0.6 µm/s.
+const MOST_HALVINGS: i32 = 24;
+
+/// Contact that goes on: a surface, what moves over it, and how, in SI units.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<'k> {
+    /// Surface.
+    pub surface: Surface<'k>,
+    /// Mass m_p of the scraper in kg.
+    pub mass_kg: f32,
+    /// Gain β1 and exponent β2 of the slope.
+    pub slope: [f32; 2],
+    /// Limit α at the largest and at the least normal force, in metres.
+    pub alpha_m: [f32; 2],
+    /// Exponent ζ with which α follows the normal force.
+    pub alpha_exponent: f32,
+    /// Standard deviation of the smoothing at the mean of both limits, in seconds.
+    pub smoothing_s: f32,
+    /// Ball, if the contact rolls.
+    pub rolling: Option<Rolling>,
+    /// Least and largest normal force in newtons; equal ones give the mean of both limits.
+    pub normal_n: [f32; 2],
+    /// Force in newtons that 1.0 on the force bus stands for: the object's `reference_force`,
+    /// less the level of scrapes and rolls on it.
+    pub reference_force_n: f32,
+    /// Seed of the places on the surface.
+    pub seed: u32,
+}
+
+impl<'k> Contact<'k> {
+    /// Contact of a pad's striker with the surface of the pad's object, by a kit that
+    /// [`Kit::check_surfaces`] has accepted.
+    ///
+    /// `None` if the object has no surface, the striker does not scrape, or, if `rolls`, does not
+    /// roll.
+    pub fn of(kit: &Kit<'k>, pad: usize, striker: usize, rolls: bool, normal_n: [f32; 2]) -> Option<Self> {
+        let pad_view = kit.pads().nth(pad)?;
+        let object = pad_view.object_index();
+        let place = kit.object_surfaces().iter().find(|place| usize::from(place.object.get()) == object)?;
+        let surface = kit.surfaces().nth(place.surface.get().into())?;
+        let striker = pad_view.striker_indices().nth(striker)?;
+        let scrape = kit.scrapes().iter().find(|scrape| usize::from(scrape.striker.get()) == striker)?;
+        let roll = kit.rolls().iter().find(|roll| usize::from(roll.striker.get()) == striker);
+        let roll = if rolls { Some(roll?) } else { None };
+        // A ball that rolls scrapes as far as it slips.
+        let share = roll.map_or(1.0, |roll| roll.slip.get());
+        Some(Self {
+            surface,
+            mass_kg: scrape.mass_kg.get() * share,
+            slope: [scrape.slope_gain.get() * share, scrape.slope_exponent.get()],
+            alpha_m: limits_m(scrape, surface.curvature_rms_per_m()),
+            alpha_exponent: scrape.alpha_exponent.get(),
+            smoothing_s: scrape.smoothing_s.get(),
+            rolling: roll.map(Rolling::of),
+            normal_n,
+            reference_force_n: kit.object_of(pad_view)?.reference_force()
+                / exponential::ratio_of_db(place.level_db.get().into()) as f32,
+            seed: pad as u32,
+        })
+    }
+}
+
+/// Limits α of a scraper in metres, on a surface of an rms curvature: 1/c and 5/c unless given.
+fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
+    let own = |given: f32, times: f32| if given > 0.0 { given } else { times / curvature_rms_per_m };
+    [own(scrape.alpha_min_m.get(), 1.0), own(scrape.alpha_max_m.get(), 5.0)]
+}
+
+/// Force of one contact, a tick at a time.
+///
+/// The output comes [`delay`](Self::delay) frames after the motion: the smoothing looks as far
+/// ahead as it looks back.
+#[derive(Clone, Debug)]
+pub struct Scraper<'k> {
+    contact: Contact<'k>,
+    rate: SampleRate,
+    slope: Slope<'k>,
+    smoothing: Smoothing,
+    sum: Sum,
+    roll: Option<Roll>,
+    /// Slope of one unit, four times the largest rise of a frame.
+    unit: f32,
+    /// Direction of the last motion, and its signed speeds at the ends of the last four ticks.
+    heading: [f32; 2],
+    is_backwards: bool,
+    speeds: [f32; 4],
+    alpha_m: f32,
+    normal_n: f32,
+    /// From steps a frame to m/s.
+    steps: f32,
+    /// Share of the force, 0 while lifted, Q30.
+    gate: i32,
+    is_first: bool,
+}
+
+impl<'k> Scraper<'k> {
+    /// Begins a contact at rest.
+    pub fn new(contact: Contact<'k>, rate: SampleRate) -> Self {
+        let surface = contact.surface;
+        let [least_m, most_m] = contact.alpha_m;
+        // Four times the largest rise of a frame: the limit of the curvature over the longest way.
+        let unit = LARGEST_RISES * MAX_SPEED_M_PER_S / (rate.hz_f32() * least_m);
+        let widest = deviation_of(contact.smoothing_s * most_m / (0.5 * (least_m + most_m)), rate);
+        let [slope_gain, slope_exponent] = contact.slope;
+        let force_n = contact.reference_force_n;
+        let other = (slope_exponent != 1.0).then(|| {
+            // The power is that of speed and slope over 8 units at the highest speed.
+            let scale = powers_scale(8.0 * MAX_SPEED_M_PER_S * unit, slope_exponent);
+            (Powers::new(slope_exponent), Gain::new(slope_gain * scale / force_n, 27))
+        });
+        let sum = Sum::new(
+            contact.mass_kg * rate.hz_f32() * unit / force_n,
+            slope_gain * unit / force_n,
+            other,
+            1.0 / (rate.hz_f32() * LEAK_STEPS * surface.grid_step_m()),
+        );
+        let [least_n, most_n] = contact.normal_n;
+        let units = Units { slope: unit, force_n, height_m: 32_768.0 * surface.unit_m(), rate };
+        Self {
+            contact,
+            rate,
+            slope: Slope::new(surface, contact.seed.wrapping_mul(0x9e37_79b9)),
+            smoothing: Smoothing::new(widest),
+            sum,
+            roll: contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units)),
+            unit,
+            heading: [0.0; 2],
+            is_backwards: false,
+            speeds: [0.0; 4],
+            alpha_m: 0.5 * (least_m + most_m),
+            normal_n: 0.0,
+            steps: 1.0 / (surface.grid_step_m() * rate.hz_f32()),
+            gate: 0,
+            is_first: true,
+        }
+    }
+
+    /// Frames by which the force comes after the motion.
+    pub fn delay(&self) -> usize {
+        self.smoothing.delay()
+    }
+
+    /// Normal force in newtons at the end of the last tick: that of the motion, times a ball's
+    /// share where it rolls; 0 while lifted.
+    pub fn normal_n(&self) -> f32 {
+        self.normal_n
+    }
+
+    /// True if the force is 0 until the next motion.
+    pub fn is_silent(&self) -> bool {
+        self.speeds == [0.0; 4] && self.gate == 0 && self.smoothing.is_silent()
+    }
+
+    /// Goes on to a motion over a tick, and gives the force in each frame, Q4.27 of the reference
+    /// force, saturated.
+    ///
+    /// # Errors
+    /// [`MotionError`]; then nothing has moved.
+    pub fn render(&mut self, motion: Motion, force: &mut [i32; TICK_FRAMES]) -> Result<(), MotionError> {
+        motion.check()?;
+        if motion.velocity_m_per_s == [0.0; 2] && self.is_silent() {
+            // Nothing moves, and nothing rings.
+            self.normal_n = motion.normal_n.max(0.0);
+            force.fill(0);
+            return Ok(());
+        }
+        let [_, earliest, earlier, before] = self.speeds;
+        let speed = self.signed_speed(motion);
+        self.speeds = [earliest, earlier, before, speed];
+        let share = self.roll.as_ref().map_or(1.0, |roll| roll.normal_share(speed < 0.0));
+        self.normal_n = motion.normal_n.max(0.0) * share;
+        let is_resting = speed == 0.0 && before == 0.0;
+        let target = if motion.normal_n > 0.0 && !is_resting { 1 << 30 } else { 0 };
+        let limit = self.limit_m();
+        let from = if self.is_first { limit } else { self.alpha_m };
+        (self.alpha_m, self.is_first) = (limit, false);
+        let ends = Ends { steps: [before * self.steps, speed * self.steps], alpha_m: [from, limit] };
+        let reading = Reading::of(ends.steps[0].abs().max(ends.steps[1].abs()));
+        let halvings = self.halvings();
+        self.slope.render(ends, reading, self.unit * power_of_two(-(halvings as i32)), force);
+        let mean = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
+        let middle = 0.5 * (from + limit);
+        self.smoothing.set(deviation_of(self.contact.smoothing_s * middle / mean, self.rate), reading.variance());
+        self.smoothing.set_unit(halvings);
+        self.smoothing.render(force);
+        self.add_up(halvings, force);
+        self.open(target, force);
+        Ok(())
+    }
+
+    /// Number of times that the rises' unit can be halved: the rises of all ticks that the
+    /// smoothing sees must have room.
+    fn halvings(&self) -> u32 {
+        let larger = |largest: f32, speed: &f32| if speed.abs() > largest { speed.abs() } else { largest };
+        let largest = self.speeds.iter().fold(0.0, larger);
+        exponent(MAX_SPEED_M_PER_S / largest).clamp(0, MOST_HALVINGS) as u32
+    }
+
+    /// Turns smoothed rises of the slope into force.
+    fn add_up(&mut self, halvings: u32, force: &mut [i32; TICK_FRAMES]) {
+        let [_, earlier, before, speed] = self.speeds;
+        // The smoothing's rises are those of the tick before.
+        let speeds = if self.smoothing.delay() == 0 { [before, speed] } else { [earlier, before] };
+        let weights = self.sum.weights(speeds, halvings);
+        let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
+        match &mut self.roll {
+            Some(roll) => {
+                let mut tick = roll.prepared(speeds, weights.leak);
+                self.sum.render_with(weights, q30, force, |slope| roll.next(&mut tick, slope));
+            }
+            None if self.sum.has_powers() => self.sum.render_with(weights, q30, force, |_| 0),
+            None => self.sum.render(weights, force),
+        }
+    }
+
+    /// Opens or shuts the gate.
+    fn open(&mut self, target: i32, force: &mut [i32; TICK_FRAMES]) {
+        let change = match &self.roll {
+            Some(_) => fixed_from(TICK_FRAMES as f32 / (GATE_S * self.rate.hz_f32()), 30),
+            None => 1 << 30,
+        };
+        let to = (target - self.gate).min(change).max(-change) + self.gate;
+        if (self.gate, to) != (1 << 30, 1 << 30) {
+            let mut gate = Ramp::new([self.gate, to]);
+            force.iter_mut().for_each(|force| *force = fixed::times_q31(*force, gate.next()) << 1);
+        }
+        self.gate = to;
+    }
+
+    /// Speed along the path: positive until the motion turns back on itself.
+    fn signed_speed(&mut self, motion: Motion) -> f32 {
+        let [x, y] = motion.velocity_m_per_s;
+        let square = x * x + y * y;
+        if square > 0.0 {
+            let [before_x, before_y] = self.heading;
+            self.is_backwards ^= x * before_x + y * before_y < 0.0;
+            self.heading = [x, y];
+        }
+        let speed = match [x, y] {
+            [x, 0.0] => x.abs(),
+            [0.0, y] => y.abs(),
+            _ => {
+                // One step of Newton's method takes the root from 5e-6 to a number's last bits, so
+                // that places stay where they should be over long paths.
+                let root = f64::from(crate::square_root::rounded_root(square));
+                (0.5 * (root + f64::from(square) / root)) as f32
+            }
+        };
+        let speed = if speed < MAX_SPEED_M_PER_S { speed } else { MAX_SPEED_M_PER_S };
+        if self.is_backwards { -speed } else { speed }
+    }
+
+    /// Limit α at the normal force (eq. 6 and 7).
+    fn limit_m(&self) -> f32 {
+        let ([least_m, most_m], [least_n, most_n]) = (self.contact.alpha_m, self.contact.normal_n);
+        let shares = self.roll.as_ref().map_or([1.0; 2], Roll::normal_shares);
+        let [least_n, most_n] = [least_n * shares[0], most_n * shares[1]];
+        if most_n <= least_n {
+            return 0.5 * (least_m + most_m);
+        }
+        let share = (self.normal_n - least_n) / (most_n - least_n);
+        let q27 = (self.contact.alpha_exponent * (1 << 27) as f32) as i32;
+        let power = if share > 0.0 { Log2::new(share).power(q27).of(1 << 30) as f32 * power_of_two(-30) } else { 0.0 };
+        most_m + power * (least_m - most_m)
+    }
+}
+
+/// Power of a number above 0, for numbers that [`Log2`] does not take.
+fn powers_scale(number: f32, exponent: f32) -> f32 {
+    crate::exponential::power(f64::from(number), f64::from(exponent)) as f32
+}

@@ -1,0 +1,215 @@
+//! Rise of the path's slope in each frame, `∫ S'' dx`: the curvature of the surface, limited by
+//! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
+
+use super::curvature::Limited;
+use super::difference::Difference;
+use super::path::{Pair, Segments, Steps};
+use super::ramp::power_of_two;
+use super::walk::Walk;
+use crate::fixed;
+use crate::table::Surface;
+use crate::table::layout::OCTAVES;
+use crate::time::TICK_FRAMES;
+
+/// Steps of the grid a frame up to which the curvature is read once a frame.
+const ONCE_STEPS: f32 = 0.55;
+/// Steps of the grid a frame up to which it is read twice. From there on the slope is read, from
+/// the octave whose points lie 1/0.9 to 2/0.9 = 1.1 to 2.2 to two frames apart.
+const TWICE_STEPS: f32 = 0.9;
+
+/// Way of reading a surface over a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Curvature in the middle of each frame, limited as it is read.
+    Once,
+    /// Curvature at a quarter and at three quarters of each frame.
+    Twice,
+    /// Slope at both ends of each frame, in an octave of the table.
+    Octave(usize),
+}
+
+impl Reading {
+    /// Way for a tick whose largest speed is given in steps a frame.
+    pub(super) fn of(steps: f32) -> Self {
+        if steps <= ONCE_STEPS {
+            return Self::Once;
+        }
+        if steps <= TWICE_STEPS {
+            return Self::Twice;
+        }
+        let octave = ((steps * (1.0 / TWICE_STEPS)).to_bits() >> 23) as usize;
+        Self::Octave(octave.saturating_sub(127).min(OCTAVES - 1))
+    }
+
+    /// Variance in square frames of the mean that the reading takes over each frame.
+    pub(super) const fn variance(self) -> f32 {
+        match self {
+            Self::Once => 0.0,
+            Self::Twice => 1.0 / 16.0,
+            Self::Octave(_) => 1.0 / 12.0,
+        }
+    }
+}
+
+/// Speeds and limits at the ends of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// Speed along the surface, steps of the grid a frame; negative backwards.
+    pub(super) steps: [f32; 2],
+    /// Limit α in metres.
+    pub(super) alpha_m: [f32; 2],
+}
+
+/// Preparation of a tick, by its way of reading.
+#[derive(Clone, Debug)]
+enum Tick {
+    Once(Limited),
+    Twice(Limited),
+    Octave(usize, Difference),
+}
+
+/// Reader of a surface along a path.
+#[derive(Clone, Debug)]
+pub(super) struct Slope<'k> {
+    surface: Surface<'k>,
+    segments: Segments,
+    place: Steps,
+    /// Places of the block that is read.
+    walk: Walk,
+    /// Rises that are mixed with others.
+    others: [i32; TICK_FRAMES],
+}
+
+impl<'k> Slope<'k> {
+    /// Reads a surface from place 0.
+    pub(super) fn new(surface: Surface<'k>, seed: u32) -> Self {
+        let segments = Segments::new(surface.grid_points() as u32, seed);
+        Self { surface, segments, place: 0, walk: Walk::new(), others: [0; TICK_FRAMES] }
+    }
+
+    /// Goes on over a tick.
+    ///
+    /// Gives the rise of the slope in each frame, Q31 of `unit`, within ±2^30.
+    pub(super) fn render(&mut self, ends: Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
+        let [from, to] = ends.steps.map(|steps| (steps * power_of_two(32)) as i64);
+        let step = (to - from) / TICK_FRAMES as i64;
+        // Each frame goes on by its mean speed, so that there and back end where they began.
+        let mut speed = from - (step >> 1);
+        let largest = from.abs().max(to.abs());
+        let block = self.segments.block(largest);
+        let mut tick = self.prepared(ends, reading, unit);
+        for rises in rises.chunks_mut(block) {
+            self.block(&mut tick, [speed, step], largest, rises);
+            for _ in 0..block {
+                speed += step;
+                self.place += speed;
+            }
+        }
+    }
+
+    /// Rises of a block of frames from the place on.
+    fn block(&mut self, tick: &mut Tick, [speed, step]: [i64; 2], largest: i64, rises: &mut [i32]) {
+        // A single frame may go over several segments; it counts for that of its middle.
+        let is_single = rises.len() == 1;
+        let middle = self.place + ((speed + step) >> 1);
+        let (near, distance) = if is_single { (middle, 0) } else { (self.place, largest * rises.len() as i64) };
+        let pair = self.segments.nearest(near);
+        let [first, second] = pair.offsets;
+        match pair.only(near, distance) {
+            Some(0) => self.read(tick, first, [speed, step], rises),
+            Some(_) => self.read(tick, second, [speed, step], rises),
+            None => {
+                self.read(&mut tick.clone(), second, [speed, step], rises);
+                let mut others = self.others;
+                others.iter_mut().zip(rises.iter()).for_each(|(other, rise)| *other = *rise);
+                self.read(tick, first, [speed, step], rises);
+                self.fade(&pair, [speed, step], rises, &others);
+            }
+        }
+    }
+
+    /// Fades rises in one segment into those in the next.
+    fn fade(&self, pair: &Pair, [mut speed, step]: [i64; 2], rises: &mut [i32], others: &[i32]) {
+        let mut place = self.place;
+        for (rise, other) in rises.iter_mut().zip(others) {
+            speed += step;
+            *rise = faded(*rise, *other, pair.weight(place + (speed >> 1)));
+            place += speed;
+        }
+    }
+
+    /// Rises of a block in one segment, at an offset from the path to the table.
+    fn read(&mut self, tick: &mut Tick, offset: Steps, [speed, step]: [i64; 2], rises: &mut [i32]) {
+        let points = self.surface.grid_points();
+        let (begin, segments) = (self.place + offset, self.segments);
+        // Walk that is in each frame where the path has gone on by some quarters of the frame: it
+        // is the rest of the frame behind, and so is its speed.
+        let go = |walk: &mut Walk, quarters: i64, frames: usize| {
+            let rest = |whole: i64| (whole * (4 - quarters)) >> 2;
+            walk.go(segments.in_table(begin - rest(speed)), [speed - rest(step), step], points, frames);
+        };
+        match tick {
+            Tick::Once(limited) => {
+                go(&mut self.walk, 2, rises.len());
+                limited.render(&self.surface, &self.walk, rises);
+            }
+            Tick::Twice(limited) => {
+                let Some(others) = self.others.get_mut(..rises.len()) else { return };
+                go(&mut self.walk, 3, others.len());
+                limited.clone().render(&self.surface, &self.walk, others);
+                go(&mut self.walk, 1, rises.len());
+                limited.render(&self.surface, &self.walk, rises);
+                rises.iter_mut().zip(others).for_each(|(rise, other)| *rise = (*rise >> 1) + (*other >> 1));
+            }
+            Tick::Octave(octave, difference) => {
+                let place = self.segments.in_table(begin) >> *octave;
+                self.walk.go(place, [speed >> *octave, step >> *octave], points >> *octave, rises.len());
+                difference.render(&self.surface, place, &self.walk, rises);
+            }
+        }
+    }
+
+    fn prepared(&self, ends: Ends, reading: Reading, unit: f32) -> Tick {
+        let (column, shares) = self.between(ends.alpha_m);
+        if let Reading::Octave(octave) = reading {
+            let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
+            let first = shares.map(|s| (1.0 - s) * (1.0 + gain * s));
+            let second = shares.map(|s| s * (1.0 + gain * (1.0 - s)));
+            let key = (octave, column);
+            return Tick::Octave(octave, Difference::new(&self.surface, key, [first, second], unit));
+        }
+        let metres = self.surface.grid_step_m() / unit;
+        let [from, to] = ends.steps;
+        let rise = [from * metres / ends.alpha_m[0], to * metres / ends.alpha_m[1]];
+        // The mean belongs to no wave of the surface: path and slope would drift with it.
+        let means = self.surface.mean_per_m();
+        let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
+        let mean = shares.map(|share| mean(column) + share * (mean(column + 1) - mean(column)));
+        let mean = 0.5 * metres * (from * mean[0] + to * mean[1]);
+        let limited = Limited::new(&self.surface, ends.alpha_m, rise, mean);
+        if reading == Reading::Twice { Tick::Twice(limited) } else { Tick::Once(limited) }
+    }
+
+    /// First of the two limits of the table between which limits lie, and the share of the second
+    /// one at each: straight lines over 1/α, which is the largest curvature.
+    fn between(&self, alpha_m: [f32; 2]) -> (usize, [f32; 2]) {
+        let [least, middle, most] = self.surface.alpha_m();
+        let is_upper = 0.5 * (alpha_m[0] + alpha_m[1]) > middle;
+        let (low, high) = if is_upper { (middle, most) } else { (least, middle) };
+        let scale = 1.0 / (1.0 / low - 1.0 / high);
+        (usize::from(is_upper), alpha_m.map(|alpha_m| ((1.0 / low - 1.0 / alpha_m) * scale).clamp(-1.0, 2.0)))
+    }
+}
+
+/// Mix of two independent signals that keeps the power within 0.3 dB: weights `s(1 - w)` and
+/// `s(w)` with `s(w) = (3w - w³)/2`.
+#[inline(always)]
+fn faded(own: i32, next: i32, weight: i32) -> i32 {
+    let curve = |w: i32| {
+        let cube = fixed::times_q31(fixed::times_q31(w, w), w);
+        // At most 1.0 as Q30.
+        ((3 * (i64::from(w) >> 2)) - (i64::from(cube) >> 2)) as i32
+    };
+    // Each value is below 2^30, and the weights sum up to 1.38 at most.
+    (fixed::smmul(own, curve(i32::MAX - weight)) + fixed::smmul(next, curve(weight))) << 2
+}

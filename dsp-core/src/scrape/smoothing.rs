@@ -1,0 +1,202 @@
+//! Gaussian smoothing of the path (scraping-rolling §2.2), over a width that moves with the limit.
+//!
+//! The filter looks as far ahead as it looks back, so that its output comes a tick late. Taps
+//! beyond [`DEVIATIONS`] are left out, and the rest sum up to 1.
+
+use super::ramp::power_of_two;
+use crate::SampleRate;
+use crate::fixed::{self, Log2};
+use crate::time::TICK_FRAMES;
+
+/// Most taps to either side of the middle one.
+const MAX_REACH: usize = TICK_FRAMES - 1;
+/// Standard deviations that the taps reach. Where they end at 3, the third octave that lies 39 dB
+/// below the loudest is 4.8 dB off at the largest limit.
+const DEVIATIONS: f32 = 3.5;
+/// Least variance that is smoothed, in square frames: less changes 16 kHz by 0.1 dB at 48 kHz.
+const LEAST_VARIANCE: f32 = 0.005;
+/// Frames that the filter sees: the tick before that of the output, that one, and the next.
+const SEEN: usize = 3 * TICK_FRAMES;
+/// Taps are computed two at a time, the last one may be 0.
+const MAX_TAPS: usize = 2 * MAX_REACH + 2;
+
+/// Smoothing filter with its history.
+#[derive(Clone, Debug)]
+pub(super) struct Smoothing {
+    /// Frames of three ticks, each twice, so that any three lie one behind the other; behind them
+    /// room for taps of 0.
+    history: [i32; 2 * SEEN + 4],
+    /// Begin of the next tick in the history's first half.
+    next: usize,
+    /// True if there is no smoothing, and no delay.
+    is_off: bool,
+    deviation: f32,
+    less: f32,
+    /// Taps, Q31, a multiple of two of them; the middle one stands at `reach`.
+    taps: [i32; MAX_TAPS],
+    reach: usize,
+    /// Number of ticks since the last one that was not all 0.
+    quiet_ticks: u32,
+    /// Number of times that the unit of the frames has been halved.
+    halvings: u32,
+}
+
+/// Widest standard deviation that is rendered, in frames.
+const MAX_DEVIATION: f32 = MAX_REACH as f32 / 3.0;
+
+/// Number of taps to either side for a variance in square frames.
+fn reach_of(variance: f32) -> usize {
+    let deviation = crate::square_root::rounded_root(variance);
+    if variance < LEAST_VARIANCE { 0 } else { ((deviation * DEVIATIONS) as usize + 1).min(MAX_REACH) }
+}
+
+impl Smoothing {
+    /// Makes the filter for deviations of up to `widest` frames.
+    pub(super) fn new(widest: f32) -> Self {
+        Self {
+            history: [0; 2 * SEEN + 4],
+            next: 0,
+            is_off: widest * widest < LEAST_VARIANCE,
+            deviation: -1.0,
+            less: 0.0,
+            taps: [0; MAX_TAPS],
+            reach: 0,
+            quiet_ticks: 3,
+            halvings: 0,
+        }
+    }
+
+    /// Delay of the output in frames: none, or a tick.
+    pub(super) const fn delay(&self) -> usize {
+        if self.is_off { 0 } else { TICK_FRAMES }
+    }
+
+    /// Sets the standard deviation in frames, less the variance that the input has been smoothed by
+    /// already, in square frames.
+    pub(super) fn set(&mut self, deviation: f32, less: f32) {
+        if self.is_off || (deviation == self.deviation && less == self.less) {
+            return;
+        }
+        (self.deviation, self.less) = (deviation, less);
+        let variance = deviation * deviation - less;
+        let before = self.reach;
+        self.reach = reach_of(variance);
+        // e^(-1/2σ²) = (1/2)^(1/(2 ln 2 σ²)), whose exponent is at most 15.
+        let exponent = (1.0 / (2.0 * core::f32::consts::LN_2))
+            / (if variance > LEAST_VARIANCE { variance } else { LEAST_VARIANCE });
+        let exponent_q27 = ((if exponent < 15.0 { exponent } else { 15.0 }) * (1 << 27) as f32) as i32;
+        let first = Log2::new(0.5).power(exponent_q27).of(1 << 40) as f32 * power_of_two(-40);
+        // The tap k is first^(k²): each is the one before times first^(2k + 1).
+        let mut weights = [0.0_f32; MAX_REACH + 1];
+        let (mut weight, mut ratio, mut sum) = (1.0, first, 0.0);
+        for place in weights.iter_mut().take(self.reach + 1) {
+            *place = weight;
+            sum += 2.0 * weight;
+            weight *= ratio;
+            ratio *= first * first;
+        }
+        let scale = power_of_two(31) / (sum - 1.0);
+        self.taps.iter_mut().take(2 * before + 2).for_each(|tap| *tap = 0);
+        let reach = self.reach;
+        for (k, weight) in weights.iter().take(reach + 1).enumerate() {
+            // `as` saturates where the middle tap is 1.
+            let tap = (weight * scale) as i32;
+            for side in [reach.saturating_sub(k), reach + k] {
+                if let Some(place) = self.taps.get_mut(side) {
+                    *place = tap;
+                }
+            }
+        }
+    }
+
+    /// Gives frames to come, and those of the history, a unit that is so many times halved.
+    pub(super) fn set_unit(&mut self, halvings: u32) {
+        let (less, more) = (self.halvings.saturating_sub(halvings), halvings.saturating_sub(self.halvings));
+        self.halvings = halvings;
+        if (less, more) != (0, 0) {
+            self.history.iter_mut().for_each(|frame| *frame = (*frame >> (less & 31)) << (more & 31));
+        }
+    }
+
+    /// Takes a tick of frames, each at most 2^30 in size, and gives those of the tick before,
+    /// smoothed.
+    pub(super) fn render(&mut self, frames: &mut [i32; TICK_FRAMES]) {
+        self.quiet_ticks = if frames.iter().all(|&x| x == 0) { (self.quiet_ticks + 1).min(3) } else { 0 };
+        if self.is_off {
+            return;
+        }
+        for half in [0, SEEN] {
+            if let Some(place) = self.history.get_mut(self.next + half..).and_then(<[i32]>::first_chunk_mut) {
+                *place = *frames;
+            }
+        }
+        self.next = if self.next + TICK_FRAMES == SEEN { 0 } else { self.next + TICK_FRAMES };
+        let count = (2 * self.reach + 1).next_multiple_of(2);
+        let taps = self.taps.get(..count).unwrap_or(&[]);
+        // The oldest tick lies where the next one will be written.
+        let first = self.next + TICK_FRAMES - self.reach;
+        filter(self.history.get(first..).unwrap_or(&[]), taps, frames);
+    }
+
+    /// True if nothing but zeros has gone in for as long as the filter remembers.
+    pub(super) const fn is_silent(&self) -> bool {
+        self.quiet_ticks >= if self.is_off { 1 } else { 3 }
+    }
+}
+
+/// Filters a tick, whose first output's first tap falls on the begin of the history.
+#[inline(never)]
+fn filter(history: &[i32], taps: &[i32], frames: &mut [i32; TICK_FRAMES]) {
+    for (index, four) in frames.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+        *four = four_outputs(history.get(4 * index..).unwrap_or(&[]), taps);
+    }
+}
+
+/// Four outputs at once, two taps at a time, so that each value of the window is read once for all
+/// of them.
+///
+/// Products are rounded to nearest: what were always rounded down would pile up in the path's
+/// slope. The taps sum up to 1 as Q31 and the values are below 2^30, so that the sums stay below
+/// 2^30.
+#[inline(always)]
+fn four_outputs(window: &[i32], taps: &[i32]) -> [i32; 4] {
+    let mut sums = [0; 4];
+    let (Some(&[mut a, mut b, mut c]), Some(rest)) = (window.first_chunk(), window.get(3..)) else { return sums };
+    for (&[t, u], &[d, e]) in taps.as_chunks::<2>().0.iter().zip(rest.as_chunks::<2>().0) {
+        sums[0] = fixed::smmlar(fixed::smmlar(sums[0], a, t), b, u);
+        sums[1] = fixed::smmlar(fixed::smmlar(sums[1], b, t), c, u);
+        sums[2] = fixed::smmlar(fixed::smmlar(sums[2], c, t), d, u);
+        sums[3] = fixed::smmlar(fixed::smmlar(sums[3], d, t), e, u);
+        (a, b, c) = (c, d, e);
+    }
+    sums.map(|sum| sum << 1)
+}
+
+/// Standard deviation in frames of a time in seconds.
+///
+/// It is rounded to one of 128 steps in an octave, so that the taps of a tick are often those of
+/// the one before.
+pub(super) fn deviation_of(seconds: f32, rate: SampleRate) -> f32 {
+    let deviation = seconds * rate.hz_f32();
+    let deviation = if deviation < MAX_DEVIATION { deviation } else { MAX_DEVIATION };
+    f32::from_bits((deviation.to_bits() + (1 << 15)) & !((1 << 16) - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constant_comes_out_as_it_went_in_a_tick_later() {
+        for deviation in [0.1, 0.5, 1.0, 3.0, MAX_DEVIATION] {
+            let mut smoothing = Smoothing::new(deviation);
+            smoothing.set(deviation, 0.0);
+            let mut frames = [0; TICK_FRAMES];
+            for _ in 0..4 {
+                frames = [1 << 29; TICK_FRAMES];
+                smoothing.render(&mut frames);
+            }
+            assert!(frames.iter().all(|&x| (x - (1 << 29)).abs() < 200), "{deviation}: {frames:?}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Sum of the vertical and the horizontal force, frame by frame.
+
+use super::power::Powers;
+use super::ramp::{Normal, Ramp, fixed_from, power_of_two};
+use super::scale::Gain;
+use crate::fixed;
+use crate::time::TICK_FRAMES;
+
+/// Fraction bits of the path's slope.
+const SLOPE_BITS: i32 = 28;
+/// Largest slope, 4 units.
+const LARGEST_SLOPE: i32 = (1 << 30) - 1;
+
+/// Gains of a contact, and its path's slope.
+#[derive(Clone, Debug)]
+pub(super) struct Sum {
+    /// From speed times rise to force: `m fs`, in units of the force bus.
+    vertical: f32,
+    /// From |speed times slope| to force, if the exponent is 1.
+    horizontal: f32,
+    /// Powers of the slope with another exponent, and the gain from them to Q27 of the bus.
+    powers: Option<(Powers, Gain)>,
+    /// Share of the slope that is lost in a frame at a speed of 1 m/s.
+    leak: f32,
+    /// Slope S' of the path in units, with 32 bits more than [`SLOPE_BITS`]: what rounding loses in
+    /// each frame would pile up.
+    slope: i64,
+}
+
+/// Numbers that stay the same over a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    /// From rises to the slope.
+    rise: i32,
+    vertical: Ramp,
+    horizontal: Ramp,
+    /// Shift of the sum to the left, or to the right.
+    left: u32,
+    right: u32,
+    /// Share of the slope that is lost in a frame, Q31.
+    pub(super) leak: i32,
+}
+
+impl Sum {
+    /// Makes the sum: gains from speed in m/s times rise or slope in units, and the slope's leak in
+    /// a frame at 1 m/s. `other` holds the powers of the slope if their exponent is not 1.
+    pub(super) fn new(vertical: f32, horizontal: f32, other: Option<(Powers, Gain)>, leak: f32) -> Self {
+        Self { vertical, horizontal, powers: other, leak, slope: 0 }
+    }
+
+    /// True if the slope's exponent is not 1.
+    pub(super) const fn has_powers(&self) -> bool {
+        self.powers.is_some()
+    }
+
+    /// Prepares a tick with the speeds at its ends in m/s, and rises whose unit is the slope's,
+    /// `halvings` times halved.
+    pub(super) fn weights(&self, speeds: [f32; 2], halvings: u32) -> Weights {
+        let vertical = speeds.map(|speed| speed * self.vertical * power_of_two(-(halvings as i32)));
+        let horizontal = if self.powers.is_some() { [0.0; 2] } else { speeds.map(|speed| speed * self.horizontal) };
+        // The high word of a rise of 31 bits and a gain of n bits has n - 1.
+        let bits = Normal::new(vertical, 90).bits - 1;
+        let bits = bits.min(Normal::new(horizontal, 90).bits + SLOPE_BITS - 32).clamp(0, 58);
+        let left = 27 - bits;
+        Weights {
+            rise: 1 << (SLOPE_BITS as u32 + 1).saturating_sub(halvings),
+            vertical: Ramp::new(vertical.map(|gain| fixed_from(gain, bits + 1))),
+            horizontal: Ramp::new(horizontal.map(|gain| fixed_from(gain, bits - SLOPE_BITS + 32))),
+            left: left.clamp(0, 31) as u32,
+            right: (-left).clamp(0, 31) as u32,
+            leak: fixed_from(0.5 * (speeds[0] + speeds[1]).abs() * self.leak, 31),
+        }
+    }
+
+    /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated.
+    pub(super) fn render(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
+        if weights.left == 0 {
+            self.render_shifted::<false>(weights, frames)
+        } else {
+            self.render_shifted::<true>(weights, frames)
+        }
+    }
+
+    #[inline(never)]
+    fn render_shifted<const LEFT: bool>(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
+        let Weights { rise: gain, mut vertical, mut horizontal, left, right, leak } = weights;
+        let mut slope = self.slope;
+        for frame in frames {
+            let rise = *frame;
+            slope = next_slope(slope, i64::from(rise) * i64::from(gain), leak);
+            let across = fixed::smmul(high(slope), horizontal.next()).abs();
+            let sum = fixed::smmul(rise, vertical.next()) + across;
+            *frame = if LEFT { fixed::saturating_shift_left(sum, left) } else { sum >> (right & 31) };
+        }
+        self.slope = slope;
+    }
+
+    /// Turns rises into force with another exponent than 1, or for a ball: `more` gives what comes
+    /// on top for the slope in each frame.
+    #[inline(never)]
+    pub(super) fn render_with(
+        &mut self,
+        weights: Weights,
+        speeds: [i32; 2],
+        frames: &mut [i32; TICK_FRAMES],
+        mut more: impl FnMut(i32) -> i32,
+    ) {
+        let Weights { rise: gain, mut vertical, mut horizontal, left, right, leak } = weights;
+        let mut speed = Ramp::new(speeds);
+        for frame in frames {
+            let rise = *frame;
+            self.slope = next_slope(self.slope, i64::from(rise) * i64::from(gain), leak);
+            let slope = high(self.slope);
+            let across = fixed::smmul(slope, horizontal.next()).abs();
+            let sum = fixed::smmul(rise, vertical.next()) + across;
+            let mut force = fixed::saturating_shift_left(sum >> right, left);
+            if let Some((powers, gain)) = &self.powers {
+                // Speed Q30 and slope Q28, of 4 units at most: as Q63 of 8 units.
+                let product = i64::from(slope) * i64::from(speed.next());
+                force = fixed::qadd(force, gain.apply_to(powers.of(product.unsigned_abs() << 2)));
+            }
+            *frame = fixed::qadd(force, more(slope));
+        }
+    }
+}
+
+/// Slope behind a frame: it grows by the rise, and leaks. It stays within [`LARGEST_SLOPE`].
+#[inline(always)]
+fn next_slope(slope: i64, rise: i64, leak: i32) -> i64 {
+    // A slope below 2^62 and a rise below 2^30 times 2^29.
+    let slope = slope + rise - ((i64::from(high(slope)) * i64::from(leak)) << 1);
+    let clamped = high(slope).clamp(-LARGEST_SLOPE - 1, LARGEST_SLOPE);
+    (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX))
+}
+
+/// Slope with [`SLOPE_BITS`].
+#[inline(always)]
+const fn high(slope: i64) -> i32 {
+    (slope >> 32) as i32
+}

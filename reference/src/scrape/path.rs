@@ -1,0 +1,69 @@
+//! Place of a contact on its surface.
+//!
+//! A path is cut into segments, each of which plays the surface from a place of its own, given by
+//! the segment's number; towards its end a segment is faded into the next one. Otherwise the
+//! surface's length would be heard as a pitch.
+//!
+//! Places are whole numbers of `2^-32` points, as in the instrument: two paths that differ by a
+//! thousandth of a point would differ by -60 dB.
+
+/// Longest segment in points.
+const LONGEST: u32 = 1024;
+/// Part of a segment over which it is faded.
+const FADED: i64 = 16;
+/// Places in a point of the grid.
+pub const POINT: i64 = 1 << 32;
+
+/// Segments of paths over a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Segments {
+    /// Length of a segment.
+    length: i64,
+    /// Length of the surface in points.
+    points: u32,
+    seed: u32,
+}
+
+/// Place in two segments.
+#[derive(Clone, Copy, Debug)]
+pub struct InTable {
+    /// Offsets to places in the surface, in this segment and in the next.
+    pub offsets: [i64; 2],
+    /// Weight of the next segment, 0 to 1, if it has begun.
+    pub fade: Option<f64>,
+}
+
+impl Segments {
+    /// Cuts paths over a surface of `points` points into segments.
+    pub fn new(points: u32, seed: u32) -> Self {
+        let third = (points / 3).clamp(32, LONGEST);
+        Self { length: i64::from(1u32 << third.ilog2()) * POINT, points, seed }
+    }
+
+    /// Segment of a place.
+    pub fn at(&self, place: i64) -> InTable {
+        let segment = place.div_euclid(self.length);
+        let within = place.rem_euclid(self.length);
+        let begin = self.length - self.length / FADED;
+        let fade = (within >= begin).then(|| (within - begin) as f64 / (self.length / FADED) as f64);
+        InTable { offsets: [self.offset(segment), self.offset(segment + 1)], fade }
+    }
+
+    fn offset(&self, segment: i64) -> i64 {
+        let first = (u64::from(spread(segment as u32, self.seed)) * u64::from(self.points)) >> 32;
+        (first as i64) * POINT - segment * self.length
+    }
+
+    /// Place on the surface in points.
+    pub fn in_table(&self, place: i64) -> f64 {
+        place.rem_euclid(i64::from(self.points) * POINT) as f64 / POINT as f64
+    }
+}
+
+/// Number whose bits are spread by the finalizer of MurmurHash3 (Appleby, public domain).
+fn spread(number: u32, seed: u32) -> u32 {
+    let mut x = number.wrapping_add(seed);
+    x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
+    x ^ (x >> 16)
+}

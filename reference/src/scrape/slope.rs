@@ -1,0 +1,116 @@
+//! Rise of the path's slope in each frame.
+//!
+//! A slow contact reads the curvature in the middle of the frame, or at a quarter and at three
+//! quarters. A fast one takes the difference of the slope at both ends, from the octave whose
+//! points lie about a frame apart.
+
+use super::path::{POINT, Segments};
+use super::surface::Surface;
+use super::{TICK_FRAMES, ramp};
+
+/// Points a frame up to which the curvature is read once, and twice.
+const ONCE_POINTS: f32 = 0.55;
+const TWICE_POINTS: f32 = 0.9;
+
+/// Way of reading a surface over a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    Once,
+    Twice,
+    Octave(usize),
+}
+
+impl Reading {
+    /// Way for a tick whose largest speed is given in points a frame.
+    pub(super) fn of(points: f32) -> Self {
+        if points <= ONCE_POINTS {
+            Self::Once
+        } else if points <= TWICE_POINTS {
+            Self::Twice
+        } else {
+            Self::Octave(((points * (1.0 / TWICE_POINTS)).log2() as usize).min(6))
+        }
+    }
+
+    /// Variance in square frames of the mean that the reading takes over a frame.
+    pub(super) fn variance(self) -> f64 {
+        match self {
+            Self::Once => 0.0,
+            Self::Twice => 1.0 / 16.0,
+            Self::Octave(_) => 1.0 / 12.0,
+        }
+    }
+}
+
+/// Reader of a surface along a path.
+#[derive(Clone, Debug)]
+pub(super) struct Slope {
+    surface: Surface,
+    segments: Segments,
+    place: i64,
+}
+
+impl Slope {
+    pub(super) fn new(surface: Surface, seed: u32) -> Self {
+        let segments = Segments::new(surface.curvature.len() as u32, seed);
+        Self { surface, segments, place: 0 }
+    }
+
+    /// Goes on over a tick, with speeds in points a frame and limits in metres at its ends.
+    pub(super) fn render(&mut self, points: [f32; 2], alpha_m: [f64; 2], reading: Reading) -> [f64; TICK_FRAMES] {
+        let [from, to] = points.map(|points| (points * POINT as f32) as i64);
+        let step = (to - from) / TICK_FRAMES as i64;
+        // Each frame goes on by its mean speed.
+        let mut speed = from - (step >> 1);
+        let metres = self.surface.grid_step_m;
+        let limits: Vec<f64> = ramp(alpha_m[0], alpha_m[1]).collect();
+        // The largest rise, and shares of limits, go in straight lines over the tick.
+        let largest: Vec<f64> =
+            ramp(f64::from(points[0]) * metres / alpha_m[0], f64::from(points[1]) * metres / alpha_m[1]).collect();
+        let column = usize::from(0.5 * (alpha_m[0] + alpha_m[1]) > self.surface.alpha_m[1]);
+        let [low, high] = [self.surface.alpha_m[column], self.surface.alpha_m[column + 1]];
+        let share = |alpha_m: f64| ((1.0 / low - 1.0 / alpha_m) / (1.0 / low - 1.0 / high)).clamp(-1.0, 2.0);
+        let gain = self.surface.mix_gain[column];
+        let weights = alpha_m.map(share).map(|s| [(1.0 - s) * (1.0 + gain * s), s * (1.0 + gain * (1.0 - s))]);
+        let own: Vec<f64> = ramp(weights[0][0], weights[1][0]).collect();
+        let other: Vec<f64> = ramp(weights[0][1], weights[1][1]).collect();
+        let mean = |end: usize| {
+            let means = &self.surface.mean_per_m;
+            let mean = means[column] + share(alpha_m[end]) * (means[column + 1] - means[column]);
+            f64::from(points[end]) * metres * mean
+        };
+        // One for the tick.
+        let mean = 0.5 * (mean(0) + mean(1));
+        std::array::from_fn(|frame| {
+            speed += step;
+            let begin = self.place;
+            self.place += speed;
+            let at = self.segments.at(begin + (speed >> 1));
+            let limited = |offset: i64, part: i64| {
+                let place = self.segments.in_table(begin + part + offset);
+                // The mean belongs to no wave of the surface: path and slope would drift with it.
+                (limits[frame] * self.surface.curvature_at(place)).tanh() * largest[frame] - mean
+            };
+            let risen = |offset: i64, octave: usize| {
+                let difference = |limit| {
+                    let value = |place| self.surface.slope_at(octave, limit, self.segments.in_table(place + offset));
+                    value(self.place) - value(begin)
+                };
+                own[frame] * difference(column) + other[frame] * difference(column + 1)
+            };
+            let read = |offset: i64| match reading {
+                Reading::Once => limited(offset, speed >> 1),
+                Reading::Twice => 0.5 * (limited(offset, speed >> 2) + limited(offset, speed - (speed >> 2))),
+                Reading::Octave(octave) => risen(offset, octave),
+            };
+            let own = read(at.offsets[0]);
+            at.fade.map_or(own, |weight| own * fade_curve(1.0 - weight) + read(at.offsets[1]) * fade_curve(weight))
+        })
+    }
+}
+
+/// Weight of a segment that fades in by a weight from 0 to 1: two independent ones keep
+/// their power within 0.3 dB.
+pub fn fade_curve(weight: f64) -> f64 {
+    0.5 * (3.0 * weight - weight.powi(3))
+}
