@@ -6,6 +6,7 @@
 use dsp_core::trigger::Settings;
 
 use crate::filters::{Biquads, DynamicFilter, ModesGo};
+use crate::surface::{ObjectSurface, Roll, Scrape, Surface};
 
 /// Kit: objects and strikers, bound to pads.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub struct Kit {
     /// Volume of a board's headphones in dB, if the kit gives one; else it is
     /// [`DEFAULT_HEADPHONE_DB`](dsp_core::table::range::DEFAULT_HEADPHONE_DB).
     pub headphone_db: Option<f32>,
+    /// Surfaces of objects.
+    pub surfaces: Vec<Surface>,
 }
 
 /// Band of the room's response to an impulse: noise that decays.
@@ -142,6 +145,8 @@ pub struct Object {
     pub dynamic_filter: Option<DynamicFilter>,
     /// Biquad bank beside the modes, if any.
     pub biquads: Option<Biquads>,
+    /// Surface over which things scrape and roll, if any.
+    pub surface: Option<ObjectSurface>,
 }
 
 /// Striker: its contact pulse and its own modal bank (diffimpact eq. 1, `IR_striker`).
@@ -169,6 +174,10 @@ pub struct Striker {
     pub restitution: f32,
     /// The striker's own modes, each with exactly one gain.
     pub modes: Vec<Mode>,
+    /// Way in which the striker scrapes, if it does.
+    pub scrape: Option<Scrape>,
+    /// Way in which the striker rolls, if it does; it must scrape, too.
+    pub roll: Option<Roll>,
 }
 
 impl Striker {

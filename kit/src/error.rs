@@ -180,6 +180,21 @@ pub enum Fault {
         /// Number of biquads in the first chain.
         expected: usize,
     },
+    /// All heights of a surface are the same.
+    #[error("heights: all are the same; a surface must have waves")]
+    Flat,
+    /// A scraper's limits, of which one is that of a surface, are upside down.
+    #[error(
+        "alpha_min_m and alpha_max_m are {least_m:e} and {most_m:e} on surface {surface:?}: the first must be below the second"
+    )]
+    Limits {
+        /// Limit at the largest normal force in metres.
+        least_m: f64,
+        /// Limit at the least normal force in metres.
+        most_m: f64,
+        /// Name of the surface.
+        surface: String,
+    },
     /// A MIDI note lies outside 0 to 127.
     #[error("midi_notes has {note}: notes are 0 to 127")]
     MidiNote {
@@ -281,6 +296,10 @@ fn item_name(kit: &Kit, place: Place) -> String {
         Place::BackgroundBand(band) => format!("background, band {band}"),
         Place::Room => "room".to_owned(),
         Place::RoomBand(band) => format!("room, band {band}"),
+        Place::Surface(index) => {
+            format!("surface {index} {:?}", kit.surfaces.get(index).map_or("", |surface| &surface.name))
+        }
+        Place::StrikerScrape(index) => format!("striker {index} {:?}, scrape", striker(index)),
     }
 }
 
@@ -297,6 +316,7 @@ fn place_of(error: &TableError) -> Option<Place> {
         | TableError::SharedInput { place, .. }
         | TableError::BadText { place }
         | TableError::GaussianRestitution { place, .. }
+        | TableError::RollAlone { place }
         | TableError::EdgeOrder { place, .. }
         | TableError::UnstablePole { place, .. }
         | TableError::TimeOrder { place, .. }

@@ -33,6 +33,7 @@ mod nearest;
 mod open;
 mod shipped;
 mod statistics;
+mod surface;
 
 pub use content::{
     Acceleration, Background, Gain, Kit, Mode, NoteOff, Object, Pad, Pulse, Residual, RoomBand, Striker,
@@ -43,3 +44,4 @@ pub use load::{Loaded, load};
 pub use open::open;
 pub use shipped::{shipped, shipped_names};
 pub use statistics::{BankStatistics, Statistics};
+pub use surface::{ObjectSurface, Roll, Scrape, Surface};

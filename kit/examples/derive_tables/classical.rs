@@ -22,6 +22,7 @@ fn object(name: &str, source: &str, modes: Vec<Mode>) -> Object {
         residual: None,
         dynamic_filter: None,
         biquads: None,
+        surface: None,
     }
 }
 

@@ -88,6 +88,7 @@ fn write(out: &Path, name: &str, objects: Vec<Object>, strikers: Vec<Striker>) -
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     };
     let path = out.join(format!("{name}.toml"));
     kit::binary::build(&table)?; // refuses what a board would refuse

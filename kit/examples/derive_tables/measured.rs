@@ -94,6 +94,7 @@ fn object(
         residual: None,
         dynamic_filter: None,
         biquads: None,
+        surface: None,
     }
 }
 

@@ -71,6 +71,7 @@ pub(crate) fn derive(folder: &Path) -> Result<Option<Object>, Failure> {
         residual: None,
         dynamic_filter: None,
         biquads: None,
+            surface: None,
     }))
 }
 

@@ -39,6 +39,8 @@ fn striker(name: &str, peak_force: f64, contact_time_s: f64, source: &str) -> St
         contact_time_s: rounded(contact_time_s),
         contact_exponent: -0.2,
         restitution: Striker::DEFAULT_RESTITUTION,
+        scrape: None,
+        roll: None,
         modes: Vec::new(),
     }
 }

@@ -23,7 +23,8 @@ use crate::error::{Fault, KitError};
 /// `trig` if a pad has its own trigger settings; one `resi` per residual; `bgnd` and `room` if the
 /// kit has a background or a room; one `dynf` per dynamic filter; one `biqd` per biquad bank;
 /// `rest` if a striker's restitution is not the default; `bala` if an object's acceleration sound
-/// is derived; `head` if the kit gives a volume of the headphones.
+/// is derived; `head` if the kit gives a volume of the headphones; one `surf` per surface; `osur`,
+/// `scrp` and `roll` if objects have surfaces and strikers scrape or roll.
 ///
 /// # Errors
 /// [`KitError::Item`] for a number, name or text that the form cannot hold (nothing is ever cut
@@ -84,6 +85,12 @@ pub fn build(kit: &Kit) -> Result<Vec<u8>, KitError> {
     if let Some(volume_db) = kit.headphone_db {
         sections.push((tag::HEADPHONE, F32::new(volume_db).as_bytes().to_vec()));
     }
+    for (index, surface) in kit.surfaces.iter().enumerate() {
+        sections.push((tag::SURFACE, build.surface(index, surface)?));
+    }
+    let [scrapes, rolls] = build.scrapes_and_rolls()?;
+    let records = [(tag::OBJECT_SURFACES, build.object_surfaces()?), (tag::SCRAPE, scrapes), (tag::ROLL, rolls)];
+    sections.extend(records.into_iter().filter(|(_, records)| !records.is_empty()));
     let bytes = build.frame(&sections)?;
     filters::parse(&bytes).map_err(|error| KitError::from_table(kit, error))?;
     Ok(bytes)

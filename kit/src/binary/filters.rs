@@ -20,6 +20,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<TableView<'_>, TableError> {
     let view = TableView::parse(bytes)?;
     view.dynamic_filters().try_for_each(|filter| filter.map(|_| ()))?;
     view.biquads().try_for_each(|bank| bank.map(|_| ()))?;
+    view.check_surfaces()?;
     Ok(view)
 }
 

@@ -5,6 +5,8 @@ mod builder;
 mod filters;
 mod noise;
 mod read;
+mod slopes;
+mod surface;
 
 pub use build::build;
 pub use read::read;

@@ -24,7 +24,7 @@ use crate::error::KitError;
 pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
     let view = super::filters::parse(bytes)?;
     let mut objects: Vec<Object> = view.objects().map(object).collect();
-    let strikers: Vec<Striker> = view.strikers().map(striker).collect();
+    let mut strikers: Vec<Striker> = view.strikers().map(striker).collect();
     let mut pads: Vec<Pad> = view.pads().map(|pad| read_pad(pad, &objects, &strikers)).collect();
     for trigger in view.triggers() {
         if let Some(pad) = pads.get_mut(trigger.pad_index()) {
@@ -48,8 +48,9 @@ pub fn read(bytes: &[u8]) -> Result<Kit, KitError> {
         gain: band.gain.get(),
         decay_per_s: band.decay_per_s.get(),
     });
+    let surfaces = super::surface::read(&view, &mut objects, &mut strikers);
     let (name, headphone_db) = (view.name().to_owned(), view.headphone_db());
-    Ok(Kit { name, objects, strikers, pads, background, room: room.collect(), headphone_db })
+    Ok(Kit { name, objects, strikers, pads, background, room: room.collect(), headphone_db, surfaces })
 }
 
 fn object(view: ObjectView<'_>) -> Object {
@@ -63,6 +64,7 @@ fn object(view: ObjectView<'_>) -> Object {
         residual: None,
         dynamic_filter: None,
         biquads: None,
+        surface: None,
     }
 }
 
@@ -99,6 +101,8 @@ fn striker(view: StrikerView<'_>) -> Striker {
         contact_time_s: view.contact().contact_time_s(),
         contact_exponent: view.contact().contact_exponent(),
         restitution: view.contact().restitution(),
+        scrape: None,
+        roll: None,
         modes: modes(view.modes(), view.gains(), 1),
     }
 }

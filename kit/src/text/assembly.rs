@@ -8,8 +8,10 @@ use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::origin::{ItemOrigin, Origins};
 use super::residual::{BackgroundTable, ResidualTable};
 use super::source::{SourceText, UNTITLED};
+use super::surface::{SurfaceOfTable, usual_size_m};
 use crate::content::{Gain, Kit, Mode, Object, Pad, RoomBand, Striker};
 use crate::error::{Fault, KitError};
+use crate::surface::ObjectSurface;
 
 /// Kit to which the items of its files are added one by one.
 pub(super) struct Assembly {
@@ -29,6 +31,7 @@ impl Assembly {
                 background: None,
                 room: Vec::new(),
                 headphone_db: None,
+                surfaces: Vec::new(),
             },
             origins: Origins::new(main, name.map_or(0, |name| name.span().start)),
         }
@@ -37,9 +40,19 @@ impl Assembly {
     /// Adds all items of one file.
     pub(super) fn add(&mut self, source: &SourceText, document: Document) -> Result<(), KitError> {
         self.origins.begin_file(source);
+        for surface in document.surface {
+            let place = Place::Surface(self.kit.surfaces.len());
+            let (offset, surface) = (surface.span().start, surface.into_inner());
+            self.origins.surfaces.push(ItemOrigin::new(self.origins.current_file(), offset, &surface.name, &[]));
+            self.kit.surfaces.push(surface.read());
+            self.refuse_duplicate(place)?;
+        }
         for object in document.object {
             let offset = object.span().start;
             self.object(offset, object.into_inner())?;
+        }
+        for table in document.surface_of {
+            self.surface_of(table)?;
         }
         self.kit.headphone_db = document.headphone_db;
         if let Some(background) = document.background {
@@ -81,6 +94,10 @@ impl Assembly {
             residual: None,
             dynamic_filter: None,
             biquads: None,
+            surface: table.surface.map(|surface| {
+                let size_m = table.size_m.unwrap_or_else(usual_size_m);
+                ObjectSurface { surface, size_m, level_db: table.surface_level_db.unwrap_or(0.0) }
+            }),
         });
         self.refuse_duplicate(Place::Object(index))?;
         let modes = self.modes(table.modes, |mode| Place::ObjectMode(index, mode))?;
@@ -108,6 +125,18 @@ impl Assembly {
         Ok(())
     }
 
+    /// Gives an object its surface.
+    fn surface_of(&mut self, table: SurfaceOfTable) -> Result<(), KitError> {
+        let SurfaceOfTable { object: name, surface, size_m, surface_level_db: level_db } = table;
+        if let Some(object) = self.kit.objects.iter_mut().find(|object| object.name == name) {
+            object.surface = Some(ObjectSurface { surface, size_m, level_db });
+            return Ok(());
+        }
+        let known = self.kit.objects.iter().map(|object| object.name.clone()).collect();
+        let fault = Fault::Unknown { key: "object of surface_of", kind: "object", name, known };
+        Err(self.refusal(Place::Kit, fault))
+    }
+
     fn striker(&mut self, offset: usize, table: StrikerTable) -> Result<(), KitError> {
         let index = self.kit.strikers.len();
         self.origins.strikers.push(ItemOrigin::new(self.origins.current_file(), offset, &table.name, &table.modes));
@@ -121,12 +150,18 @@ impl Assembly {
             contact_time_s: table.contact_time_s,
             contact_exponent: table.contact_exponent,
             restitution: table.restitution,
+            scrape: None,
+            roll: None,
             modes: Vec::new(),
         });
         self.refuse_duplicate(Place::Striker(index))?;
         let modes = self.modes(table.modes, |mode| Place::StrikerMode(index, mode))?;
         if let Some(striker) = self.kit.strikers.last_mut() {
             striker.modes = modes;
+            let offset = table.scrape.as_ref().map(|scrape| scrape.span().start);
+            striker.scrape = table.scrape.map(|scrape| scrape.into_inner().read());
+            striker.roll = table.roll.map(|roll| roll.into_inner().read());
+            self.origins.set_scrape(index, offset);
         }
         Ok(())
     }
@@ -195,6 +230,7 @@ impl Assembly {
         let (kind, names): (_, Vec<&str>) = match place {
             Place::Object(_) => ("object", self.kit.objects.iter().map(|object| object.name.as_str()).collect()),
             Place::Striker(_) => ("striker", self.kit.strikers.iter().map(|striker| striker.name.as_str()).collect()),
+            Place::Surface(_) => ("surface", self.kit.surfaces.iter().map(|surface| surface.name.as_str()).collect()),
             Place::Pad(_) => ("pad", self.kit.pads.iter().map(|pad| pad.name.as_str()).collect()),
             _ => return Ok(()),
         };
@@ -203,6 +239,7 @@ impl Assembly {
         let first = match place {
             Place::Object(_) => Place::Object(first),
             Place::Striker(_) => Place::Striker(first),
+            Place::Surface(_) => Place::Surface(first),
             _ => Place::Pad(first),
         };
         Err(KitError::Duplicate {

@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::residual::{BackgroundTable, ResidualTable};
+use super::surface::{RollTable, ScrapeTable, SurfaceOfTable, SurfaceTable};
 use super::trigger::TriggerTable;
 use crate::content::{Acceleration, NoteOff, Pulse, Striker};
 
@@ -24,6 +25,10 @@ pub(super) struct Document {
     pub(super) background: Option<Spanned<BackgroundTable>>,
     #[serde(default)]
     pub(super) room: Vec<Spanned<RoomBandTable>>,
+    #[serde(default)]
+    pub(super) surface: Vec<Spanned<SurfaceTable>>,
+    #[serde(default)]
+    pub(super) surface_of: Vec<SurfaceOfTable>,
     #[serde(default)]
     pub(super) object: Vec<Spanned<ObjectTable>>,
     #[serde(default)]
@@ -58,6 +63,9 @@ pub(super) struct ObjectTable {
     pub(super) residual: Option<Spanned<ResidualTable>>,
     pub(super) dynamic_filter: Option<Spanned<DynamicFilterTable>>,
     pub(super) biquads: Option<Spanned<BiquadsTable>>,
+    pub(super) surface: Option<String>,
+    pub(super) size_m: Option<[f32; 2]>,
+    pub(super) surface_level_db: Option<f32>,
 }
 
 /// Table `[[striker]]`.
@@ -81,6 +89,8 @@ pub(super) struct StrikerTable {
     pub(super) restitution: f32,
     #[serde(default)]
     pub(super) modes: Vec<Spanned<ModeTable>>,
+    pub(super) scrape: Option<Spanned<ScrapeTable>>,
+    pub(super) roll: Option<Spanned<RollTable>>,
 }
 
 /// Element of the key `modes`.

@@ -11,6 +11,7 @@ mod number;
 mod origin;
 mod residual;
 mod source;
+mod surface;
 mod trigger;
 mod write;
 

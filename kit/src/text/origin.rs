@@ -20,6 +20,7 @@ pub(super) struct Origins {
     pub(super) objects: Vec<ItemOrigin>,
     pub(super) strikers: Vec<ItemOrigin>,
     pub(super) pads: Vec<ItemOrigin>,
+    pub(super) surfaces: Vec<ItemOrigin>,
     /// Index of the background's file, and the offsets of the background and its parts.
     background: Option<(usize, NoiseOrigin)>,
     /// For each band of the room, the index of its file and its offset.
@@ -35,6 +36,7 @@ pub(super) struct ItemOrigin {
     residual: NoiseOrigin,
     filter: FilterOrigin,
     biquads: BiquadsOrigin,
+    scrape: Option<usize>,
 }
 
 impl ItemOrigin {
@@ -47,6 +49,7 @@ impl ItemOrigin {
             residual: NoiseOrigin::default(),
             filter: FilterOrigin::default(),
             biquads: BiquadsOrigin::default(),
+            scrape: None,
         }
     }
 }
@@ -59,6 +62,7 @@ impl Origins {
             objects: Vec::new(),
             strikers: Vec::new(),
             pads: Vec::new(),
+            surfaces: Vec::new(),
             background: None,
             room: Vec::new(),
         }
@@ -92,6 +96,13 @@ impl Origins {
     pub(super) fn set_biquads(&mut self, object: usize, origin: BiquadsOrigin) {
         if let Some(item) = self.objects.get_mut(object) {
             item.biquads = origin;
+        }
+    }
+
+    /// Sets the origin of a striker's scraping.
+    pub(super) fn set_scrape(&mut self, striker: usize, offset: Option<usize>) {
+        if let Some(item) = self.strikers.get_mut(striker) {
+            item.scrape = offset;
         }
     }
 
@@ -154,6 +165,7 @@ impl Origins {
         let chain = |chain: usize| biquads.chains.get(chain);
         let part_offset = match place {
             Place::ObjectMode(_, mode) | Place::StrikerMode(_, mode) => item.mode_offsets.get(mode).copied(),
+            Place::StrikerScrape(_) => item.scrape,
             Place::ObjectResidual(_) => Some(item.residual.offset),
             Place::ObjectEdge(_, edge) => Some(item.residual.edges.get(edge).copied().unwrap_or(item.residual.offset)),
             Place::ObjectBand(_, band) => Some(item.residual.bands.get(band).copied().unwrap_or(item.residual.offset)),
@@ -190,7 +202,10 @@ impl Origins {
             | Place::ObjectBiquads(index)
             | Place::ObjectChain(index, _)
             | Place::ObjectBiquad(index, _) => self.objects.get(index),
-            Place::Striker(index) | Place::StrikerMode(index, _) => self.strikers.get(index),
+            Place::Striker(index) | Place::StrikerMode(index, _) | Place::StrikerScrape(index) => {
+                self.strikers.get(index)
+            }
+            Place::Surface(index) => self.surfaces.get(index),
             Place::Pad(index) => self.pads.get(index),
         }
     }

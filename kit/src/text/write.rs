@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use super::number::shortest_decimal;
 use super::source::FORMAT;
 use crate::content::{Acceleration, Gain, Kit, Mode, NoteOff, Object, Pad, Pulse, RoomBand, Striker};
+use crate::surface::{ObjectSurface, Surface};
 
 /// Writes a kit as text. Equal kits give equal texts.
 ///
@@ -20,11 +21,12 @@ struct Text<T>(T);
 
 impl Display for Text<&Kit> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Kit { name, objects, strikers, pads, background, room, headphone_db } = self.0;
+        let Kit { name, objects, strikers, pads, background, room, headphone_db, surfaces } = self.0;
         writeln!(f, "format = {FORMAT}\nname = {}", Text(name.as_str()))?;
         headphone_db.iter().try_for_each(|volume_db| writeln!(f, "headphone_db = {}", Text(*volume_db)))?;
         background.iter().try_for_each(|background| write!(f, "{}", super::residual::Text(background)))?;
         room.iter().try_for_each(|band| write!(f, "{}", Text(band)))?;
+        surfaces.iter().try_for_each(|surface| write!(f, "{}", Text(surface)))?;
         objects.iter().try_for_each(|object| write!(f, "{}", Text(object)))?;
         strikers.iter().try_for_each(|striker| write!(f, "{}", Text(striker)))?;
         pads.iter().try_for_each(|pad| write!(f, "{}", Text(pad)))
@@ -41,12 +43,23 @@ impl Display for Text<&RoomBand> {
 
 impl Display for Text<&Object> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Object { name, source, licence, reference_force, acceleration, modes, residual, dynamic_filter, biquads } =
-            self.0;
+        let Object {
+            name,
+            source,
+            licence,
+            reference_force,
+            acceleration,
+            modes,
+            residual,
+            dynamic_filter,
+            biquads,
+            surface,
+        } = self.0;
         writeln!(f, "\n[[object]]\nname = {}", Text(name.as_str()))?;
         writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
         writeln!(f, "reference_force = {}", Text(*reference_force))?;
         writeln!(f, "acceleration = {}", Text(*acceleration))?;
+        surface.iter().try_for_each(|surface| write!(f, "{}", Text(surface)))?;
         write!(f, "{}", Text(modes.as_slice()))?;
         residual.iter().try_for_each(|residual| write!(f, "{}", super::residual::Text(residual)))?;
         dynamic_filter.iter().try_for_each(|filter| write!(f, "{}", super::filters::Text(filter)))?;
@@ -67,6 +80,8 @@ impl Display for Text<&Striker> {
             contact_exponent,
             restitution,
             modes,
+            scrape,
+            roll,
         } = self.0;
         writeln!(f, "\n[[striker]]\nname = {}", Text(name.as_str()))?;
         writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
@@ -79,7 +94,34 @@ impl Display for Text<&Striker> {
         if *pulse == Pulse::Hertz || *restitution != Striker::DEFAULT_RESTITUTION {
             writeln!(f, "restitution = {}", Text(*restitution))?;
         }
-        write!(f, "{}", Text(modes.as_slice()))
+        write!(f, "{}", Text(modes.as_slice()))?;
+        scrape.iter().try_for_each(|scrape| write!(f, "{}", super::surface::Text(scrape)))?;
+        roll.iter().try_for_each(|roll| write!(f, "{}", super::surface::Text(roll)))
+    }
+}
+
+impl Display for Text<&Surface> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Surface { name, source, licence, step_m, rows, unit_m, shortest_m, heights } = self.0;
+        writeln!(f, "\n[[surface]]\nname = {}", Text(name.as_str()))?;
+        writeln!(f, "source = {}\nlicence = {}", Text(source.as_str()), Text(licence.as_str()))?;
+        writeln!(f, "step_m = {}\nrows = {rows}", Text(*step_m))?;
+        writeln!(f, "unit_m = {}\nshortest_m = {}", Text(*unit_m), Text(*shortest_m))?;
+        writeln!(f, "heights = [")?;
+        for line in heights.chunks(16) {
+            let line: Vec<String> = line.iter().map(i16::to_string).collect();
+            writeln!(f, "    {},", line.join(", "))?;
+        }
+        writeln!(f, "]")
+    }
+}
+
+impl Display for Text<&ObjectSurface> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let ObjectSurface { surface, size_m: [x, y], level_db } = self.0;
+        writeln!(f, "surface = {}", Text(surface.as_str()))?;
+        writeln!(f, "size_m = [{}, {}]", shortest_decimal(*x), shortest_decimal(*y))?;
+        writeln!(f, "surface_level_db = {}", Text(*level_db))
     }
 }
 

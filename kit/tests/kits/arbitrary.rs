@@ -8,6 +8,7 @@ use proptest::sample::subsequence;
 
 use crate::arbitrary_filters::{biquads, dynamic_filter};
 use crate::arbitrary_number::number;
+use crate::arbitrary_surfaces::{object_surface, roll, scrape, surface};
 
 fn name() -> impl Strategy<Value = String> {
     let edge = "[!#-+\\--~]";
@@ -38,23 +39,32 @@ fn acceleration() -> impl Strategy<Value = Acceleration> {
     prop_oneof![number(range::ACCELERATION).prop_map(Acceleration::Factor), Just(Acceleration::Balance)]
 }
 
-fn object(name: String) -> impl Strategy<Value = Object> {
+fn object(name: String, surfaces: &[String]) -> BoxedStrategy<Object> {
     let modes = (1..4usize).prop_flat_map(modes);
     let filters = (prop::option::of(dynamic_filter()), prop::option::of(biquads()));
-    let sound = (modes, prop::option::of(residual()), filters);
-    (text(), text(), number(range::REFERENCE_FORCE), acceleration(), sound).prop_map(
-        move |(source, licence, reference_force, acceleration, (modes, residual, (dynamic_filter, biquads)))| Object {
-            name: name.clone(),
-            source,
-            licence,
-            reference_force,
-            acceleration,
-            modes,
-            residual,
-            dynamic_filter,
-            biquads,
-        },
-    )
+    let sound = (modes, prop::option::of(residual()), filters, object_surface(surfaces));
+    (text(), text(), number(range::REFERENCE_FORCE), acceleration(), sound)
+        .prop_map(
+            move |(
+                source,
+                licence,
+                reference_force,
+                acceleration,
+                (modes, residual, (dynamic_filter, biquads), surface),
+            )| Object {
+                name: name.clone(),
+                source,
+                licence,
+                reference_force,
+                acceleration,
+                modes,
+                residual,
+                dynamic_filter,
+                biquads,
+                surface,
+            },
+        )
+        .boxed()
 }
 
 /// Rising edges of `bands` bands: one more edge than bands.
@@ -110,7 +120,8 @@ fn striker(name: String) -> impl Strategy<Value = Striker> {
     let pulse = prop_oneof![hertz, Just((Pulse::Gaussian, usual))];
     let peak = (number(range::PEAK_FORCE), number(range::PEAK_EXPONENT));
     let contact = (number(range::CONTACT_TIME_S), number(range::CONTACT_EXPONENT));
-    (text(), text(), pulse, peak, contact, modes(1)).prop_map(
+    let scrape = prop::option::of((scrape(), prop::option::of(roll())));
+    (text(), text(), pulse, peak, contact, modes(1), scrape).prop_map(
         move |(
             source,
             licence,
@@ -118,7 +129,9 @@ fn striker(name: String) -> impl Strategy<Value = Striker> {
             (peak_force, peak_exponent),
             (contact_time_s, contact_exponent),
             modes,
+            scrape,
         )| {
+            let (scrape, roll) = scrape.map_or((None, None), |(scrape, roll)| (Some(scrape), roll));
             Striker {
                 name: name.clone(),
                 source,
@@ -130,6 +143,8 @@ fn striker(name: String) -> impl Strategy<Value = Striker> {
                 contact_exponent,
                 restitution,
                 modes,
+                scrape,
+                roll,
             }
         },
     )
@@ -222,14 +237,15 @@ fn trigger(pad: u8) -> impl Strategy<Value = Settings> {
 
 /// Any valid kit.
 pub(crate) fn kit() -> impl Strategy<Value = Kit> {
-    (name(), names(0..4), names(0..6)).prop_flat_map(|(name, objects, strikers)| {
+    (name(), names(0..4), names(0..6), names(0..3)).prop_flat_map(|(name, objects, strikers, surfaces)| {
         let pads = pads(objects.clone(), strikers.clone());
-        let objects: Vec<_> = objects.into_iter().map(object).collect();
+        let objects: Vec<_> = objects.into_iter().map(|name| object(name, &surfaces)).collect();
+        let surfaces: Vec<_> = surfaces.into_iter().map(|name| surface(name, text(), text())).collect();
         let strikers: Vec<_> = strikers.into_iter().map(striker).collect();
         let around = (prop::option::of(background()), room(), prop::option::of(number(range::HEADPHONE_DB)));
-        (objects, strikers, pads, around).prop_map(move |(objects, strikers, pads, around)| {
+        (objects, strikers, pads, surfaces, around).prop_map(move |(objects, strikers, pads, surfaces, around)| {
             let (background, room, headphone_db) = around;
-            Kit { name: name.clone(), objects, strikers, pads, background, room, headphone_db }
+            Kit { name: name.clone(), objects, strikers, pads, surfaces, background, room, headphone_db }
         })
     })
 }

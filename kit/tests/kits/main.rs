@@ -4,6 +4,7 @@
 mod arbitrary;
 mod arbitrary_filters;
 mod arbitrary_number;
+mod arbitrary_surfaces;
 mod balance;
 mod binary_refusals;
 mod files;
@@ -16,5 +17,6 @@ mod round_trip;
 mod sample;
 mod shipped;
 mod statistics;
+mod surfaces;
 mod text_refusals;
 mod trigger;

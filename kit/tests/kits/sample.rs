@@ -29,6 +29,7 @@ pub(crate) fn object(name: &str, modes: Vec<Mode>) -> Object {
         residual: None,
         dynamic_filter: None,
         biquads: None,
+        surface: None,
     }
 }
 
@@ -43,6 +44,8 @@ pub(crate) fn striker(name: &str) -> Striker {
         contact_time_s: 0.001,
         contact_exponent: -0.2,
         restitution: Striker::DEFAULT_RESTITUTION,
+        scrape: None,
+        roll: None,
         modes: bank(1, 1),
     }
 }
@@ -72,6 +75,7 @@ pub(crate) fn kit() -> Kit {
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }
 
