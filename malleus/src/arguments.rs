@@ -1,5 +1,6 @@
 //! Command line of the program: commands, options, and the checks of their values.
 
+mod motion;
 mod surface;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use dsp_core::limiter::LOWEST_CEILING_DB;
 use fit::material::solid::Solid;
 use virtual_board::Board;
 
+pub(crate) use self::motion::{MotionCommand, MotionFileArguments};
 pub(crate) use self::surface::SurfaceArguments;
 use crate::commands::board::{BoardCommand, parse_board};
 
@@ -37,6 +39,9 @@ pub(crate) enum Command {
     Separate(SeparateArguments),
     /// Make the table of a measured surface
     Surface(SurfaceArguments),
+    /// Write a motion of a tool over a pad: strokes, a circle, a line, a scribble, a rolling ball
+    #[command(subcommand)]
+    Motion(MotionCommand),
     /// Make, build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),
@@ -59,12 +64,13 @@ pub(crate) struct DemoArguments {
 /// Arguments of `malleus play`.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters, priors)
+    /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters, scrapes,
+    /// priors)
     #[arg(long)]
     pub(crate) kit: String,
     /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns
     /// sample|time_s,pad,velocity[,position,striker,action,peak_force,contact_time_s]
-    #[arg(long, value_name = "FILE", required_unless_present = "direct", conflicts_with = "direct")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["direct", "motion"], conflicts_with = "direct")]
     pub(crate) strikes: Option<PathBuf>,
     /// Force that drives a pad sample by sample: a WAV file whose full scale is the reference force
     /// of the pad's object; its channels count from 0 [default channel: 0]
@@ -73,6 +79,17 @@ pub(crate) struct PlayArguments {
     /// Pad that the force of --direct drives
     #[arg(long, value_name = "NAME", requires = "direct")]
     pub(crate) pad: Option<String>,
+    /// Motion of scrapers and balls over pads with a surface, with or without strikes: CSV with the
+    /// columns time_s|sample,pad,action,striker,x_m,y_m,normal_n (docs/motion.md)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["direct", "log"])]
+    pub(crate) motion: Option<PathBuf>,
+    /// WAV file of the motion's force in newtons, its normal force in newtons, speed in m/s and
+    /// distance in metres, as four channels of 32-bit float
+    #[arg(long, value_name = "FILE.wav", requires = "motion")]
+    pub(crate) force: Option<PathBuf>,
+    /// Parts of the motion's model to leave out
+    #[arg(long, value_enum, value_name = "PARTS", value_delimiter = ',', requires = "motion")]
+    pub(crate) without: Vec<AblationName>,
     /// WAV file to write
     #[arg(short, long, value_name = "OUT.wav")]
     pub(crate) output: PathBuf,
@@ -114,6 +131,17 @@ pub(crate) struct PlayArguments {
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Part of the model of scraping and rolling that can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AblationName {
+    /// Limit of the path's curvature: the path is the surface's own
+    Nonlinearity,
+    /// Normal force: the limit stays at its mean
+    NormalForce,
+    /// Modes of the scraper
+    Scraper,
 }
 
 /// Arguments of `malleus fit`.

@@ -313,6 +313,7 @@ fn kit_text() -> String {
         background: None,
         room: Vec::new(),
         headphone_db: None,
+        surfaces: Vec::new(),
     };
     let text = kit::text::write(&kit);
     let included: String =

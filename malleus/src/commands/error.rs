@@ -94,6 +94,16 @@ pub(crate) enum CommandError {
         "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --budget-mhz, --log and --limit"
     )]
     PartsOnBoard { file: String },
+    #[error(
+        "{file}: a motion on objects with several positions, on several pads, or by another than a pad's first striker is played in parts that add up: leave out --board, --budget-mhz and --limit"
+    )]
+    MotionOnBoard { file: String },
+    #[error("{file}: strikes with a force of their own cannot be played beside a motion: play them alone, and mix")]
+    OwnForceWithMotion { file: String },
+    #[error(transparent)]
+    MotionFile(#[from] malleus::motion::MotionError),
+    #[error("{kit}: {error}")]
+    Scraped { kit: String, error: malleus::render::scraped::ScrapedError },
     #[error("{kit}: {error}")]
     Parts { kit: String, error: PartsError },
     #[error(
@@ -110,6 +120,8 @@ pub(crate) enum CommandError {
     Materials(#[from] ::fit::material::UnknownMaterial),
     #[error(transparent)]
     Surface(#[from] ::fit::surface::SurfaceError),
+    #[error(transparent)]
+    Trial(#[from] malleus::motion::trials::TrialError),
     #[error("{0}")]
     Recording(String),
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]

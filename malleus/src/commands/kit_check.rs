@@ -355,6 +355,8 @@ fn one_object(object: &kit::Object) -> kit::Kit {
         contact_time_s: 0.001,
         contact_exponent: 0.0,
         restitution: kit::Striker::DEFAULT_RESTITUTION,
+        scrape: None,
+        roll: None,
         modes: vec![],
     };
     let pad = kit::Pad {
@@ -378,5 +380,6 @@ fn one_object(object: &kit::Object) -> kit::Kit {
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }

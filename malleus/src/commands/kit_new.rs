@@ -58,6 +58,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     };
     let mut notes = (first_note..=127).map(|note| vec![note]);
     for table in tables {

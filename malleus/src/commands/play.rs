@@ -10,15 +10,16 @@ use dsp_core::table::Kit;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::Level;
-use malleus::render::own_force::Part;
+use malleus::render::part::Part;
 use malleus::render::{Performance, board, instrument, own_force, parts, reference};
 use malleus::{events, wave};
-use serde::Serialize;
 use virtual_board::Board;
 
 use super::error::CommandError;
 use super::left_out::left_out;
 use super::output::{peak_dbfs, print, print_json, progress, refuse_input};
+use super::play_motion;
+use super::play_report::{PlayReport, Work};
 use crate::arguments::PlayArguments;
 
 /// Longest sound that is rendered at once, in seconds: an hour is 1.4 GB of frames.
@@ -32,11 +33,15 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if loaded.kit.pads.is_empty() {
         return Err(CommandError::NoPads { kit: name.clone() });
     }
-    let (rate, performance, parts) = read_performance(arguments, &loaded.kit, &table)?;
+    let (rate, performance, parts) = match &arguments.motion {
+        Some(motion) => play_motion::read_performance(arguments, motion, &loaded.kit, &table)?,
+        None => read_performance(arguments, &loaded.kit, &table)?,
+    };
     let seconds = performance.frames as f64 / rate.hz();
     if seconds > LONGEST_S {
-        let strikes = arguments.strikes.as_ref().map(|path| path.display().to_string());
-        let file = strikes.or_else(|| arguments.direct.clone()).unwrap_or_default();
+        let files = [&arguments.motion, &arguments.strikes].into_iter().flatten();
+        let file = files.map(|path| path.display().to_string()).next();
+        let file = file.or_else(|| arguments.direct.clone()).unwrap_or_default();
         return Err(CommandError::TooLong { file, seconds, longest: LONGEST_S });
     }
     let mut work = Work::default();
@@ -224,8 +229,9 @@ fn play_parts(
 /// Refuses to write sound or log over the kit, the events or the force that are played.
 fn refuse_inputs(arguments: &PlayArguments) -> Result<(), CommandError> {
     let direct = arguments.direct.as_deref().map(|direct| split_channel(direct).0);
-    let inputs = [Some(Path::new(&arguments.kit)), arguments.strikes.as_deref(), direct.as_deref()];
-    for output in [Some(&arguments.output), arguments.log.as_ref()].into_iter().flatten() {
+    let motion = arguments.motion.as_deref();
+    let inputs = [Some(Path::new(&arguments.kit)), arguments.strikes.as_deref(), motion, direct.as_deref()];
+    for output in [Some(&arguments.output), arguments.log.as_ref(), arguments.force.as_ref()].into_iter().flatten() {
         refuse_input(output, inputs.into_iter().flatten())?;
     }
     Ok(())
@@ -240,107 +246,4 @@ fn split_channel(argument: &str) -> (PathBuf, u16) {
         return (PathBuf::from(path), channel);
     }
     (PathBuf::from(argument), 0)
-}
-
-/// Sums over the reports of all ticks (docs/json.md).
-#[derive(Debug, Default, Serialize)]
-struct Work {
-    driven_mode_frames: u64,
-    free_mode_frames: u64,
-    skipped_unstruck_mode_frames: u64,
-    skipped_decayed_mode_frames: u64,
-    striker_mode_frames: u64,
-    acceleration_frames: u64,
-    direct_frames: u64,
-    contact_frames: u64,
-    strikes: u64,
-    displaced_contacts: u64,
-    merged_positions: u64,
-    retired_modes: u64,
-    largest_retired_amplitude: f32,
-    refused_inputs: u64,
-    residual_frames: u64,
-    background_frames: u64,
-    room_frames: u64,
-    filter_frames: u64,
-    loop_frames: u64,
-    biquad_frames: u64,
-    refused_stages: u64,
-    shed_groups: u64,
-    shed_modes: u64,
-    shedding_ticks: u64,
-    largest_shed_amplitude: f32,
-    largest_predicted_cycles: u32,
-}
-
-impl Work {
-    fn add(&mut self, report: &TickReport) {
-        self.driven_mode_frames += u64::from(report.driven_mode_frames);
-        self.free_mode_frames += u64::from(report.free_mode_frames);
-        self.skipped_unstruck_mode_frames += u64::from(report.unstruck_mode_frames);
-        self.skipped_decayed_mode_frames += u64::from(report.decayed_mode_frames);
-        self.striker_mode_frames += u64::from(report.striker_mode_frames);
-        self.acceleration_frames += u64::from(report.acceleration_frames);
-        self.direct_frames += u64::from(report.direct_frames);
-        self.contact_frames += u64::from(report.contact_frames);
-        self.strikes += u64::from(report.strikes);
-        self.displaced_contacts += u64::from(report.displaced_contacts);
-        self.merged_positions += u64::from(report.merged_positions);
-        self.retired_modes += u64::from(report.retired_modes);
-        self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
-        self.refused_inputs += u64::from(report.refused_inputs);
-        self.residual_frames += u64::from(report.residual_frames);
-        self.background_frames += u64::from(report.background_frames);
-        self.room_frames += u64::from(report.room_frames);
-        self.filter_frames += u64::from(report.filter_frames);
-        self.loop_frames += u64::from(report.loop_frames);
-        self.biquad_frames += u64::from(report.biquad_frames);
-        self.refused_stages += u64::from(report.refused_stages);
-        self.shed_groups += u64::from(report.shed.groups);
-        self.shed_modes += u64::from(report.shed.modes);
-        self.shedding_ticks += u64::from(report.shed.groups > 0);
-        self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
-        self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
-    }
-}
-
-#[derive(Debug, Serialize)]
-struct PlayReport<'a> {
-    output: &'a Path,
-    kit: &'a str,
-    renderer: &'static str,
-    board: Option<&'static str>,
-    rate_hz: f64,
-    rate_ratio: (u32, u32),
-    frames: usize,
-    duration_s: f64,
-    peak_dbfs: Option<f64>,
-    unclipped_peak_dbfs: Option<f64>,
-    clipped_samples: u64,
-    saturated_samples: Option<u64>,
-    largest_force: Option<f64>,
-    force_overloads: Option<u64>,
-    budget_cycles: Option<u32>,
-    work: Option<Work>,
-}
-
-impl PlayReport<'_> {
-    fn as_text(&self, rate: SampleRate) -> String {
-        let mut text = format!("{}: {:.2} s at {rate}, ", self.output.display(), self.duration_s);
-        text += &match (self.unclipped_peak_dbfs, self.clipped_samples) {
-            (None, _) => "silence".to_owned(),
-            (Some(peak), 0) => format!("peak {peak:.1} dBFS"),
-            (Some(peak), clipped) => format!("peak {peak:+.1} dBFS before {clipped} samples were clipped"),
-        };
-        if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
-            text += &match work.shed_modes {
-                0 => format!("; nothing is left out within {cycles} cycles per tick"),
-                modes => {
-                    let ticks = work.shedding_ticks;
-                    format!("; {modes} modes are left out in {ticks} ticks to stay within {cycles} cycles per tick")
-                }
-            };
-        }
-        text + "\n"
-    }
 }

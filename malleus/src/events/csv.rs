@@ -3,10 +3,11 @@
 use dsp_core::SampleRate;
 use dsp_core::contact::law::{MAX_CONTACT_TIME_S, MIN_CONTACT_TIME_S};
 use dsp_core::event::{Action, Event, Time};
-use dsp_core::table::{Kit, Pad};
+use dsp_core::table::Kit;
 
 use super::error::EventsFault;
 use super::list::{EventList, OwnForce, time_from_seconds};
+use crate::csv_text::{self, Columns, Row, TextFault};
 
 const COLUMNS: [&str; 9] =
     ["sample", "time_s", "pad", "velocity", "position", "striker", "action", "peak_force", "contact_time_s"];
@@ -27,16 +28,16 @@ const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = MIN_CONTACT_TIME_S..=MAX_
 /// [`EventsFault`] for bytes that are not text in UTF-8, and for the first wrong field, with its
 /// line, column and value and the values that are allowed there.
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList, EventsFault> {
-    check_text(bytes)?;
-    let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let columns = Columns::find(reader.headers().map_err(|error| of_reader(&error))?)?;
+    csv_text::check_text(bytes)?;
+    let mut reader = csv_text::reader(bytes);
+    let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error))?)?;
     let (mut list, mut last) = (EventList::default(), None);
     for record in reader.records() {
-        let record = record.map_err(|error| of_reader(&error))?;
-        let row = Row { line: record.position().map_or(0, ::csv::Position::line), record: &record, columns: &columns };
+        let record = record.map_err(|error| csv_text::of_reader(&error))?;
+        let row = EventRow(Row::new(&record, &columns));
         let event = row.event(kit, rate)?;
         if last.is_some_and(|last| last > event.time) {
-            return Err(EventsFault::OutOfOrder { line: row.line });
+            return Err(EventsFault::OutOfOrder { line: row.0.line });
         }
         last = Some(event.time);
         match row.own_force(event)? {
@@ -48,28 +49,6 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
         }
     }
     Ok(list)
-}
-
-/// Refuses bytes that are not UTF-8 or hold a NUL, which no text has.
-fn check_text(bytes: &[u8]) -> Result<(), EventsFault> {
-    let text = std::str::from_utf8(bytes).map_err(|error| EventsFault::NotText { offset: error.valid_up_to() })?;
-    text.find('\0').map_or(Ok(()), |offset| Err(EventsFault::NotText { offset }))
-}
-
-/// The fault behind an error of the CSV reader.
-///
-/// Text that lies in memory can only fail by its number of fields. Any other error would be that of
-/// a byte that is not text.
-fn of_reader(error: &::csv::Error) -> EventsFault {
-    let position = error.position();
-    match error.kind() {
-        ::csv::ErrorKind::UnequalLengths { expected_len, len, .. } => EventsFault::FieldCount {
-            line: position.map_or(0, ::csv::Position::line),
-            found: *len,
-            expected: *expected_len,
-        },
-        _ => EventsFault::NotText { offset: position.map_or(0, |position| position.byte() as usize) },
-    }
 }
 
 /// Writes events as CSV from which [`parse`] reads them back, bit for bit, at the same rate.
@@ -113,41 +92,35 @@ fn seconds(time: Time, rate: SampleRate) -> f64 {
     neighbours.map(f64::from_bits).find(|&seconds| time_from_seconds(seconds, rate) == Some(time)).unwrap_or(nearest)
 }
 
-/// Index of each known column in the file's header, in the order of [`COLUMNS`].
-struct Columns([Option<usize>; COLUMNS.len()]);
+/// Columns of the header, of which one of `sample` and `time_s` and all of `pad` and `velocity`
+/// must be there.
+fn columns(header: &::csv::StringRecord) -> Result<Columns<'static>, EventsFault> {
+    let found = Columns::find(header, &COLUMNS)?;
+    if found.has("sample") == found.has("time_s") {
+        return Err(EventsFault::Header("exactly one of the columns `sample` and `time_s` must be there".to_owned()));
+    }
+    for required in ["pad", "velocity"] {
+        if !found.has(required) {
+            return Err(EventsFault::Header(format!("the column `{required}` is missing")));
+        }
+    }
+    Ok(found)
+}
 
-impl Columns {
-    fn find(header: &::csv::StringRecord) -> Result<Self, EventsFault> {
-        let mut found = [None; COLUMNS.len()];
-        for (place, name) in header.iter().enumerate() {
-            match COLUMNS.iter().position(|column| *column == name) {
-                Some(column) if found[column].is_none() => found[column] = Some(place),
-                Some(_) => return Err(EventsFault::Header(format!("the column `{name}` is there twice"))),
-                None => return Err(EventsFault::Header(format!("the column `{name}` is unknown"))),
-            }
+impl From<TextFault> for EventsFault {
+    fn from(fault: TextFault) -> Self {
+        match fault {
+            TextFault::NotText { offset } => Self::NotText { offset },
+            TextFault::FieldCount { line, found, expected } => Self::FieldCount { line, found, expected },
+            TextFault::Header(what) => Self::Header(what),
         }
-        if found[0].is_some() == found[1].is_some() {
-            return Err(EventsFault::Header(
-                "exactly one of the columns `sample` and `time_s` must be there".to_owned(),
-            ));
-        }
-        for required in [2, 3] {
-            if found[required].is_none() {
-                return Err(EventsFault::Header(format!("the column `{}` is missing", COLUMNS[required])));
-            }
-        }
-        Ok(Self(found))
     }
 }
 
 /// One line of the file behind the header.
-struct Row<'a> {
-    line: u64,
-    record: &'a ::csv::StringRecord,
-    columns: &'a Columns,
-}
+struct EventRow<'a>(Row<'a>);
 
-impl Row<'_> {
+impl EventRow<'_> {
     fn event(&self, kit: &Kit<'_>, rate: SampleRate) -> Result<Event, EventsFault> {
         let time = self.time(rate)?;
         let action = match self.field("action") {
@@ -170,13 +143,16 @@ impl Row<'_> {
             }
             _ => {}
         }
-        let (index, pad) = self.pad(kit)?;
+        let found = csv_text::pad_named(kit, self.field("pad"));
+        let (index, pad) = found.map_err(|allowed| self.fault("pad", allowed))?;
         let velocity = match self.field("velocity") {
             "" if action != Action::Strike => 0.0,
             _ => self.unit("velocity")?,
         };
         let position = if self.field("position").is_empty() { 0.0 } else { self.unit("position")? };
-        Ok(Event { time, pad: index, velocity, position, striker: self.striker(kit, pad)?, action })
+        let striker = csv_text::striker_named(kit, pad, self.field("striker"));
+        let striker = striker.map_err(|allowed| self.fault("striker", allowed))?;
+        Ok(Event { time, pad: index, velocity, position, striker, action })
     }
 
     /// The strike with a force of its own; `None` for an event without one.
@@ -212,32 +188,11 @@ impl Row<'_> {
                 self.fault("sample", "must be a whole number of samples from the start, 0 or more".to_owned())
             });
         }
-        let column = if self.columns.0[0].is_some() { "sample" } else { "time_s" };
+        let column = if self.0.columns.has("sample") { "sample" } else { "time_s" };
         let seconds = self.field("time_s").parse().ok();
         seconds
             .and_then(|seconds| time_from_seconds(seconds, rate))
             .ok_or_else(|| self.fault(column, "must be a number of 0 or more, counted from the start".to_owned()))
-    }
-
-    fn pad<'k>(&self, kit: &Kit<'k>) -> Result<(u8, Pad<'k>), EventsFault> {
-        let name = self.field("pad");
-        let found = (0u8..=254).zip(kit.pads()).find(|(_, pad)| pad.name() == name);
-        found.ok_or_else(|| {
-            let names: Vec<_> = kit.pads().map(|pad| pad.name()).collect();
-            self.fault("pad", format!("unknown pad; the kit has {}", names.join(", ")))
-        })
-    }
-
-    fn striker(&self, kit: &Kit<'_>, pad: Pad<'_>) -> Result<u8, EventsFault> {
-        let name = self.field("striker");
-        if name.is_empty() {
-            return Ok(0);
-        }
-        let found = (0u8..).zip(kit.strikers_of(pad)).find(|(_, striker)| striker.name() == name);
-        found.map(|(index, _)| index).ok_or_else(|| {
-            let names: Vec<_> = kit.strikers_of(pad).map(|striker| striker.name()).collect();
-            self.fault("striker", format!("unknown striker; pad {} has {}", pad.name(), names.join(", ")))
-        })
     }
 
     fn unit(&self, column: &'static str) -> Result<f32, EventsFault> {
@@ -248,11 +203,10 @@ impl Row<'_> {
     }
 
     fn field(&self, column: &str) -> &str {
-        let place = COLUMNS.iter().position(|known| *known == column).and_then(|column| self.columns.0[column]);
-        place.and_then(|place| self.record.get(place)).unwrap_or("")
+        self.0.field(column)
     }
 
     fn fault(&self, column: &'static str, allowed: String) -> EventsFault {
-        EventsFault::Field { line: self.line, column, value: self.field(column).to_owned(), allowed }
+        EventsFault::Field { line: self.0.line, column, value: self.field(column).to_owned(), allowed }
     }
 }

@@ -186,6 +186,7 @@ fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
         background: None,
         room: kit.room.clone(),
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }
 

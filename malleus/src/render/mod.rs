@@ -6,9 +6,11 @@ pub mod headroom;
 pub mod instrument;
 pub mod level;
 pub mod own_force;
+pub mod part;
 pub mod parts;
 pub mod reference;
 pub mod replay;
+pub mod scraped;
 
 mod performance;
 

@@ -5,16 +5,8 @@ use dsp_core::fixed::ONE_Q27;
 use reference::contact::Impact;
 
 use super::force::bound;
+use super::part::{self, Part};
 use crate::events::OwnForce;
-
-/// A kit with a pad that a force drives; the sounds of all parts of a performance add up.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// Kit whose pad has one position, and no modes of strikers beside the object's.
-    pub kit: kit::Kit,
-    /// Number of the pad, and its force in Q4.27 of the force bus.
-    pub direct: (u8, Vec<i32>),
-}
 
 /// Renders the force of strikes as a direct force on their pad, in Q4.27 of the force bus.
 ///
@@ -27,56 +19,34 @@ pub fn direct(strikes: &[OwnForce], kit: &kit::Kit, rate: SampleRate) -> Option<
     Some((pad, force(strikes, kit, rate, |_| 1.0)))
 }
 
-/// Splits strikes at several positions or with several strikers into parts, whose sounds add up.
-///
-/// A pad plays a direct force at one position and with its first striker. All stages of a force are
-/// linear, so that a part for each position of the object, with the share of each force that falls
-/// to it, and one for each striker with modes of its own make the whole. Empty if one direct force
-/// is enough: all strikes are with the first striker, at position 0.
+/// Splits strikes at several positions or with several strikers into parts ([`super::part`]), whose
+/// sounds add up. Empty if one direct force is enough: all strikes are with the first striker, at
+/// position 0.
 pub fn parts(strikes: &[OwnForce], kit: &kit::Kit, rate: SampleRate) -> Vec<Part> {
     let is_plain = |strike: &OwnForce| strike.position == 0.0 && strike.striker == 0;
     let Some(pad_index) = strikes.first().map(|strike| strike.pad).filter(|_| !strikes.iter().all(is_plain)) else {
         return Vec::new();
     };
     let Some(pad) = kit.pads.get(usize::from(pad_index)) else { return Vec::new() };
-    let Some(object) = kit.objects.iter().position(|object| object.name == pad.object) else { return Vec::new() };
-    let positions = kit.objects[object].modes.iter().map(|mode| mode.gains.len()).max().unwrap_or(1);
+    let positions = part::positions(kit, pad);
     let mut parts = Vec::new();
     for position in 0..positions {
-        let direct = (pad_index, force(strikes, kit, rate, |strike| share(strike.position, position, positions)));
-        let mut part = without_own_modes(kit);
-        for mode in &mut part.objects[object].modes {
-            mode.gains = mode.gains.get(position).or(mode.gains.first()).copied().into_iter().collect();
-        }
-        parts.push(Part { kit: part, direct });
+        let shares = |strike: &OwnForce| part::share(strike.position.into(), position, positions);
+        let direct = (pad_index, force(strikes, kit, rate, shares));
+        parts.push(Part { kit: part::at_position(kit, pad, position), direct });
     }
-    for (index, name) in (0u8..).zip(&pad.strikers) {
-        let own = kit.strikers.iter().find(|striker| striker.name == *name && !striker.modes.is_empty());
-        let Some(own) = own.filter(|_| strikes.iter().any(|strike| strike.striker == index)) else { continue };
-        let mut part = without_own_modes(kit);
-        part.objects[object].acceleration = kit::Acceleration::Factor(0.0);
-        part.objects[object].modes = own.modes.clone();
-        for gain in part.objects[object].modes.iter_mut().flat_map(|mode| &mut mode.gains) {
-            (gain.sine, gain.cosine) = (gain.sine * pad.striker_weight, gain.cosine * pad.striker_weight);
+    for striker in 0..pad.strikers.len() {
+        let own = |strike: &OwnForce| f64::from(u8::from(usize::from(strike.striker) == striker));
+        if !strikes.iter().any(|strike| own(strike) > 0.0) {
+            continue;
         }
-        let own = |strike: &OwnForce| f64::from(u8::from(strike.striker == index));
-        parts.push(Part { direct: (pad_index, force(strikes, kit, rate, own)), kit: part });
+        let kit_of_striker = part::of_striker(kit, pad, striker);
+        parts
+            .extend(kit_of_striker.map(|part| Part { kit: part, direct: (pad_index, force(strikes, kit, rate, own)) }));
     }
     // What sounds without a strike sounds once.
     parts.iter_mut().skip(1).for_each(|part| part.kit.background = None);
     parts
-}
-
-/// Share of a force at a position that falls to one of the object's evenly spaced positions.
-fn share(at: f32, position: usize, positions: usize) -> f64 {
-    let along = f64::from(at) * positions.saturating_sub(1) as f64;
-    (1.0 - (along - position as f64).abs()).max(0.0)
-}
-
-fn without_own_modes(kit: &kit::Kit) -> kit::Kit {
-    let mut part = kit.clone();
-    part.strikers.iter_mut().for_each(|striker| striker.modes.clear());
-    part
 }
 
 /// Force of strikes in Q4.27 of their pad's force bus, each with a weight.

@@ -5,7 +5,7 @@ use dsp_core::event::{Action, Event};
 use dsp_core::table::{Kit, TableError};
 
 use super::instrument::{self, Output, RenderError, Settings};
-use super::own_force::Part;
+use super::part::Part;
 use super::performance::Performance;
 
 /// Reason for which the parts of a performance cannot be rendered.

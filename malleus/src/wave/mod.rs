@@ -165,18 +165,29 @@ pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Resul
 /// # Errors
 /// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
 pub fn write_mono(path: &Path, rate_hz: f64, samples: &[f64]) -> Result<(), WaveError> {
+    write_channels(path, rate_hz, &[samples])
+}
+
+/// Writes channels of equal length as a WAV file of 32-bit float, whole or not at all.
+///
+/// # Errors
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
+pub fn write_channels(path: &Path, rate_hz: f64, channels: &[&[f64]]) -> Result<(), WaveError> {
     // Into memory, the encoder fails only where the file would be longer than its header can say.
-    let too_long = |_| WaveError::TooLong { path: path.to_owned(), frames: samples.len() };
+    let frames = channels.first().map_or(0, |channel| channel.len());
+    let too_long = |_| WaveError::TooLong { path: path.to_owned(), frames };
     let spec = hound::WavSpec {
-        channels: 1,
+        channels: channels.len() as u16,
         sample_rate: rate_hz.round() as u32,
         bits_per_sample: 32,
         sample_format: SampleFormat::Float,
     };
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(too_long)?;
-    for &sample in samples {
-        writer.write_sample(sample as f32).map_err(too_long)?;
+    for frame in 0..frames {
+        for channel in channels {
+            writer.write_sample(channel[frame] as f32).map_err(too_long)?;
+        }
     }
     writer.finalize().map_err(too_long)?;
     Ok(kit::file::write_whole(path, bytes.get_ref())?)

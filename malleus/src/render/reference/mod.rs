@@ -6,8 +6,10 @@
 
 mod fader;
 mod pads;
+mod surfaces;
 
 pub use pads::pads;
+pub use surfaces::contact;
 
 use dsp_core::SampleRate;
 use dsp_core::event::Action;

@@ -1,0 +1,110 @@
+//! Report of `malleus play`.
+
+use std::path::Path;
+
+use dsp_core::SampleRate;
+use dsp_core::engine::TickReport;
+use serde::Serialize;
+
+/// Sums over the reports of all ticks (docs/json.md).
+#[derive(Debug, Default, Serialize)]
+pub(super) struct Work {
+    pub(super) driven_mode_frames: u64,
+    pub(super) free_mode_frames: u64,
+    pub(super) skipped_unstruck_mode_frames: u64,
+    pub(super) skipped_decayed_mode_frames: u64,
+    pub(super) striker_mode_frames: u64,
+    pub(super) acceleration_frames: u64,
+    pub(super) direct_frames: u64,
+    pub(super) contact_frames: u64,
+    pub(super) strikes: u64,
+    pub(super) displaced_contacts: u64,
+    pub(super) merged_positions: u64,
+    pub(super) retired_modes: u64,
+    pub(super) largest_retired_amplitude: f32,
+    pub(super) refused_inputs: u64,
+    pub(super) residual_frames: u64,
+    pub(super) background_frames: u64,
+    pub(super) room_frames: u64,
+    pub(super) filter_frames: u64,
+    pub(super) loop_frames: u64,
+    pub(super) biquad_frames: u64,
+    pub(super) refused_stages: u64,
+    pub(super) shed_groups: u64,
+    pub(super) shed_modes: u64,
+    pub(super) shedding_ticks: u64,
+    pub(super) largest_shed_amplitude: f32,
+    pub(super) largest_predicted_cycles: u32,
+}
+
+impl Work {
+    pub(super) fn add(&mut self, report: &TickReport) {
+        self.driven_mode_frames += u64::from(report.driven_mode_frames);
+        self.free_mode_frames += u64::from(report.free_mode_frames);
+        self.skipped_unstruck_mode_frames += u64::from(report.unstruck_mode_frames);
+        self.skipped_decayed_mode_frames += u64::from(report.decayed_mode_frames);
+        self.striker_mode_frames += u64::from(report.striker_mode_frames);
+        self.acceleration_frames += u64::from(report.acceleration_frames);
+        self.direct_frames += u64::from(report.direct_frames);
+        self.contact_frames += u64::from(report.contact_frames);
+        self.strikes += u64::from(report.strikes);
+        self.displaced_contacts += u64::from(report.displaced_contacts);
+        self.merged_positions += u64::from(report.merged_positions);
+        self.retired_modes += u64::from(report.retired_modes);
+        self.largest_retired_amplitude = self.largest_retired_amplitude.max(report.retired_amplitude);
+        self.refused_inputs += u64::from(report.refused_inputs);
+        self.residual_frames += u64::from(report.residual_frames);
+        self.background_frames += u64::from(report.background_frames);
+        self.room_frames += u64::from(report.room_frames);
+        self.filter_frames += u64::from(report.filter_frames);
+        self.loop_frames += u64::from(report.loop_frames);
+        self.biquad_frames += u64::from(report.biquad_frames);
+        self.refused_stages += u64::from(report.refused_stages);
+        self.shed_groups += u64::from(report.shed.groups);
+        self.shed_modes += u64::from(report.shed.modes);
+        self.shedding_ticks += u64::from(report.shed.groups > 0);
+        self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
+        self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct PlayReport<'a> {
+    pub(super) output: &'a Path,
+    pub(super) kit: &'a str,
+    pub(super) renderer: &'static str,
+    pub(super) board: Option<&'static str>,
+    pub(super) rate_hz: f64,
+    pub(super) rate_ratio: (u32, u32),
+    pub(super) frames: usize,
+    pub(super) duration_s: f64,
+    pub(super) peak_dbfs: Option<f64>,
+    pub(super) unclipped_peak_dbfs: Option<f64>,
+    pub(super) clipped_samples: u64,
+    pub(super) saturated_samples: Option<u64>,
+    pub(super) largest_force: Option<f64>,
+    pub(super) force_overloads: Option<u64>,
+    pub(super) budget_cycles: Option<u32>,
+    pub(super) work: Option<Work>,
+}
+
+impl PlayReport<'_> {
+    pub(super) fn as_text(&self, rate: SampleRate) -> String {
+        let mut text = format!("{}: {:.2} s at {rate}, ", self.output.display(), self.duration_s);
+        text += &match (self.unclipped_peak_dbfs, self.clipped_samples) {
+            (None, _) => "silence".to_owned(),
+            (Some(peak), 0) => format!("peak {peak:.1} dBFS"),
+            (Some(peak), clipped) => format!("peak {peak:+.1} dBFS before {clipped} samples were clipped"),
+        };
+        if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
+            text += &match work.shed_modes {
+                0 => format!("; nothing is left out within {cycles} cycles per tick"),
+                modes => {
+                    let ticks = work.shedding_ticks;
+                    format!("; {modes} modes are left out in {ticks} ticks to stay within {cycles} cycles per tick")
+                }
+            };
+        }
+        text + "\n"
+    }
+}
