@@ -12,6 +12,7 @@ pub mod rolls;
 pub mod room;
 pub mod run_time;
 pub mod scene;
+pub mod scrape;
 pub mod single_mode;
 pub mod snr;
 pub mod sweeps;

@@ -32,6 +32,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             residual: None,
             dynamic_filter: None,
             biquads: None,
+            surface: None,
         }],
         strikers: vec![Striker {
             name: "striker".into(),
@@ -43,6 +44,8 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
             contact_time_s: 0.0005,
             contact_exponent: -0.2,
             restitution: Striker::DEFAULT_RESTITUTION,
+            scrape: None,
+            roll: None,
             modes: Vec::new(),
         }],
         pads: vec![Pad {
@@ -60,6 +63,7 @@ pub fn one_pad(modes: Vec<Mode>) -> Kit {
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }
 

@@ -30,7 +30,7 @@ use virtual_core::{BuildError, Image, ImageError, RunError};
 const HOST_MEMORY: u32 = 0x1000_0000;
 
 /// Address of the kit in flash, behind every image.
-const KIT_FLASH: u32 = 0x080e_0000;
+pub(crate) const KIT_FLASH: u32 = 0x080e_0000;
 
 /// Reason for which something could not run on the virtual core.
 #[derive(Debug, thiserror::Error)]
@@ -55,7 +55,8 @@ pub enum OnChipError {
 }
 
 /// Images of the profile `release`, which are optimised for speed.
-const FAST: &[&str] = &["biquads-image", "filters-image", "frames-image", "kernels-image", "residual-image"];
+const FAST: &[&str] =
+    &["biquads-image", "filters-image", "frames-image", "kernels-image", "residual-image", "scrape-image"];
 /// Images of the profile `small`, which are optimised for size.
 const SMALL: &[&str] = &["engine-image", "trigger-image"];
 

@@ -45,6 +45,7 @@ pub fn pads_of(count: usize, turns: usize) -> Loaded {
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     })
 }
 

@@ -13,4 +13,5 @@ mod page;
 mod residual;
 mod rolls;
 mod room;
+mod scrape;
 mod trigger;

@@ -40,6 +40,7 @@ prop_compose! {
         Object {
             name: format!("object {index}"), source: String::new(), licence: String::new(),
             reference_force: reference_force.exp2(), acceleration: Acceleration::Factor(acceleration), modes, residual: None, dynamic_filter: None, biquads: None,
+            surface: None,
         }
     }
 }
@@ -54,7 +55,9 @@ prop_compose! {
             name: format!("striker {index}"), source: String::new(), licence: String::new(),
             pulse: if gaussian { Pulse::Gaussian } else { Pulse::Hertz },
             peak_force: peak.exp2(), peak_exponent, contact_time_s: contact.exp2(), contact_exponent,
-            restitution: if gaussian { Striker::DEFAULT_RESTITUTION } else { restitution }, modes,
+            restitution: if gaussian { Striker::DEFAULT_RESTITUTION } else { restitution },
+            scrape: None,
+            roll: None, modes,
         }
     }
 }
@@ -81,6 +84,7 @@ prop_compose! {
             background: None,
             room: vec![],
             headphone_db: None,
+        surfaces: Vec::new(),
         }
     }
 }

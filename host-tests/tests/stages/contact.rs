@@ -30,6 +30,8 @@ fn striker(pulse: Pulse, restitution: f32, contact_time_s: f32) -> Striker {
         contact_exponent: -0.2,
         restitution,
         modes: Vec::new(),
+        scrape: None,
+        roll: None,
     }
 }
 
@@ -45,6 +47,7 @@ fn force_alone(striker: Striker) -> Loaded {
         residual: None,
         dynamic_filter: None,
         biquads: None,
+        surface: None,
     };
     let pad = Pad {
         name: "force".into(),
@@ -66,6 +69,7 @@ fn force_alone(striker: Striker) -> Loaded {
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     })
 }
 
