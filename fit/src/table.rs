@@ -76,6 +76,7 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             residual: None,
             dynamic_filter: None,
             biquads: None,
+            surface: None,
         }],
         strikers: vec![Striker {
             name: item_name(&provenance.name, " strike"),
@@ -87,12 +88,15 @@ pub fn of_fit(fit: &Fit, provenance: &Provenance) -> Kit {
             contact_time_s: strike.map_or(5e-4, |strike| strike.contact_time_s as f32),
             contact_exponent: -0.2,
             restitution: Striker::DEFAULT_RESTITUTION,
+            scrape: None,
+            roll: None,
             modes: Vec::new(),
         }],
         pads: Vec::new(),
         background: None,
         room: vec![],
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }
 

@@ -64,6 +64,8 @@ pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
             peak_force: (strongest(estimate, Some(striker)) * unit) as f32,
             // A half-sine.
             restitution: 1.0,
+            scrape: None,
+            roll: None,
             peak_exponent: PEAK_EXPONENT as f32,
             contact_exponent: exponent.clamp(-1.0, 1.0) as f32,
             contact_time_s: (contact_time_s as f32).clamp(LEAST_CONTACT_S, MOST_CONTACT_S),

@@ -20,6 +20,7 @@ fn click(room: Vec<RoomBand>) -> Kit {
             residual: None,
             dynamic_filter: None,
             biquads: None,
+            surface: None,
         }],
         strikers: vec![Striker {
             name,
@@ -31,12 +32,15 @@ fn click(room: Vec<RoomBand>) -> Kit {
             contact_time_s: 2e-4,
             contact_exponent: -0.2,
             restitution: Striker::DEFAULT_RESTITUTION,
+            scrape: None,
+            roll: None,
             modes: vec![],
         }],
         pads: vec![],
         background: None,
         room,
         headphone_db: None,
+        surfaces: Vec::new(),
     }
 }
 

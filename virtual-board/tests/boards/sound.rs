@@ -78,6 +78,7 @@ fn four_large_pads() -> Vec<u8> {
             residual: None,
             dynamic_filter: None,
             biquads: None,
+            surface: None,
         }
     };
     let striker = kit::Striker { name: "stick".to_owned(), peak_force: 1.0, modes: vec![], ..demo.strikers[0].clone() };
