@@ -1,6 +1,7 @@
 //! Command line of the program: commands, options, and the checks of their values.
 
 mod motion;
+mod study;
 mod surface;
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ use fit::material::solid::Solid;
 use virtual_board::Board;
 
 pub(crate) use self::motion::{MotionCommand, MotionFileArguments};
+pub(crate) use self::study::StudyCommand;
 pub(crate) use self::surface::SurfaceArguments;
 use crate::commands::board::{BoardCommand, parse_board};
 
@@ -42,6 +44,9 @@ pub(crate) enum Command {
     /// Write a motion of a tool over a pad: strokes, a circle, a line, a scribble, a rolling ball
     #[command(subcommand)]
     Motion(MotionCommand),
+    /// Render trials of scraping or rolling for listeners, and a page on which they rate them
+    #[command(subcommand)]
+    Study(StudyCommand),
     /// Make, build, check and show kits
     #[command(subcommand)]
     Kit(KitCommand),

@@ -11,4 +11,5 @@ pub mod motion;
 pub mod plot;
 pub mod render;
 pub mod report;
+pub mod study;
 pub mod wave;

@@ -122,6 +122,9 @@ pub(crate) enum CommandError {
     Surface(#[from] ::fit::surface::SurfaceError),
     #[error(transparent)]
     Trial(#[from] malleus::motion::trials::TrialError),
+    /// A study was not made.
+    #[error(transparent)]
+    Study(#[from] malleus::study::StudyError),
     #[error("{0}")]
     Recording(String),
     #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]

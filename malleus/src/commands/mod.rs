@@ -22,5 +22,6 @@ mod play_report;
 pub(crate) mod separate;
 mod separate_labels;
 mod separate_tables;
+pub(crate) mod study;
 pub(crate) mod surface;
 mod usb_midi;

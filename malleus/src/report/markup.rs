@@ -32,7 +32,7 @@ pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
 ///
 /// # Errors
 /// The encoder's error if the sound is longer than a WAV file can be.
-pub(super) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::Error> {
+pub(crate) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::Error> {
     let spec = hound::WavSpec {
         channels: 1,
         sample_rate: rate_hz.round() as u32,
@@ -49,6 +49,6 @@ pub(super) fn sound_uri(samples: &[f32], rate_hz: f64) -> Result<String, hound::
 }
 
 /// Escapes JSON for a script element, which a `<` could end.
-pub(super) fn json_in_script(json: &str) -> String {
+pub(crate) fn json_in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

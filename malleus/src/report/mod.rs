@@ -5,11 +5,11 @@
 //! forbids the browser to. It holds its figures as JSON, too, from which the index is made.
 
 mod chart;
-mod document;
+pub(crate) mod document;
 mod error;
 mod figures;
 mod index;
-mod markup;
+pub(crate) mod markup;
 mod page;
 mod strikes_figures;
 mod strikes_page;

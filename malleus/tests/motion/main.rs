@@ -6,6 +6,7 @@ mod paths;
 mod play;
 mod program;
 mod refusals;
+mod study;
 mod trials;
 
 use std::sync::OnceLock;
