@@ -1,6 +1,6 @@
 //! `malleus demo`: the demo piece as sound and picture, and each pad against the `f64` reference.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use dsp_core::engine::{Setup, Skipping, TickReport};
@@ -10,7 +10,6 @@ use dsp_core::table::Kit;
 use dsp_core::voice::{PadTables, VoiceSize};
 use kit::Loaded;
 use malleus::demo::{self, RATE};
-use malleus::events::EventsError;
 use malleus::plot::{self, StrikeMark, TickRow};
 use malleus::render::instrument::{Output, RenderError, Settings};
 use malleus::render::{Performance, instrument, reference};
@@ -26,8 +25,7 @@ const SETTINGS: Settings = Settings { setup: Setup::new(RATE), block: 128, budge
 pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     let loaded = kit::open(demo::KIT)?;
     let table = Kit::parse(&loaded.binary).map_err(|error| CommandError::Table { kit: demo::KIT.to_owned(), error })?;
-    let performance = demo::piece(&table, &loaded.kit)
-        .map_err(|fault| CommandError::Events(EventsError { path: PathBuf::from("tables/demo-piece.csv"), fault }))?;
+    let performance = demo::piece(&table, &loaded.kit)?;
     std::fs::create_dir_all(&arguments.out).map_err(|cause| {
         CommandError::File(kit::file::FileError { action: "made", path: arguments.out.clone(), cause })
     })?;

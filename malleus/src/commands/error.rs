@@ -122,6 +122,9 @@ pub(crate) enum CommandError {
     Surface(#[from] ::fit::surface::SurfaceError),
     #[error(transparent)]
     Trial(#[from] malleus::motion::trials::TrialError),
+    /// The demo piece cannot be made.
+    #[error(transparent)]
+    Demo(#[from] malleus::demo::DemoError),
     /// A study was not made.
     #[error(transparent)]
     Study(#[from] malleus::study::StudyError),

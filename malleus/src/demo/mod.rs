@@ -1,12 +1,16 @@
-//! The demo piece: strikes from `tables/demo-piece.csv` on the shipped kit, and a scraped bowl.
+//! The demo piece: strikes from `tables/demo-piece.csv` on the shipped kit, and a bowl that a stick
+//! scrapes and a ball rolls over.
 
+mod error;
 mod scrape;
 
 use dsp_core::SampleRate;
 use dsp_core::table::Kit;
 
-use crate::events::{self, EventsFault};
+use crate::events;
 use crate::render::Performance;
+
+pub use error::DemoError;
 
 /// Name of the shipped kit that plays the piece.
 pub const KIT: &str = "demo";
@@ -22,11 +26,11 @@ const TAIL_S: f64 = 3.0;
 /// The demo piece as a performance for a kit, given as its binary `table` and its content `kit`.
 ///
 /// # Errors
-/// [`EventsFault`] if the kit lacks a pad or striker of the piece. The shipped kit [`KIT`] has all.
-pub fn piece(table: &Kit<'_>, kit: &kit::Kit) -> Result<Performance, EventsFault> {
+/// [`DemoError`] if the kit lacks a pad or striker of the piece. The shipped kit [`KIT`] has all.
+pub fn piece(table: &Kit<'_>, kit: &kit::Kit) -> Result<Performance, DemoError> {
     let list = events::csv::parse(PIECE.as_bytes(), table, RATE)?;
     let scraped = (0u8..=254).zip(&kit.pads).find(|(_, pad)| pad.name == SCRAPED_PAD).map(|(index, _)| index);
-    let direct = scraped.map(|pad| (pad, scrape::force(RATE)));
+    let direct = scraped.map(|pad| Ok::<_, DemoError>((pad, scrape::force(SCRAPED_PAD, RATE)?))).transpose()?;
     Ok(Performance::new(list.events, direct, kit, RATE, Some(TAIL_S)))
 }
 

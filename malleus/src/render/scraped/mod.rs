@@ -12,5 +12,5 @@ mod without;
 
 pub use contacts::{Renderer, Scraped, Source, Trace, render};
 pub use error::ScrapedError;
-pub use parts::{direct, parts};
+pub use parts::{direct, force, parts};
 pub use without::{Ablation, without};

@@ -14,7 +14,12 @@ pub fn direct(scraped: &Scraped, kit: &kit::Kit) -> Option<(u8, Vec<i32>)> {
     let first = scraped.sources.first()?;
     let pad = kit.pads.get(usize::from(first.pad))?;
     let is_plain = scraped.sources.iter().all(|source| (source.pad, source.striker) == (first.pad, 0));
-    (is_plain && part::positions(kit, pad) == 1).then(|| (first.pad, force(&scraped.sources, |_, _| 1.0)))
+    (is_plain && part::positions(kit, pad) == 1).then(|| (first.pad, force(scraped)))
+}
+
+/// Force of all contacts of a motion on one pad, in Q4.27 of the force bus.
+pub fn force(scraped: &Scraped) -> Vec<i32> {
+    summed(&scraped.sources, |_, _| 1.0)
 }
 
 /// Splits the contacts of a motion into parts ([`part`](super::super::part)), whose sounds add up:
@@ -32,7 +37,7 @@ pub fn parts(scraped: &Scraped, kit: &kit::Kit) -> Vec<Part> {
             let shares = |source: &Source, tick: usize| {
                 source.along.get(tick).map_or(0.0, |&along| part::share(along, position, positions))
             };
-            parts.push(Part { kit: part::at_position(kit, pad, position), direct: (index, force(&here, shares)) });
+            parts.push(Part { kit: part::at_position(kit, pad, position), direct: (index, summed(&here, shares)) });
         }
         for striker in 0..pad.strikers.len() {
             let own: Vec<Source> = here.iter().filter(|s| usize::from(s.striker) == striker).cloned().collect();
@@ -40,7 +45,7 @@ pub fn parts(scraped: &Scraped, kit: &kit::Kit) -> Vec<Part> {
                 continue;
             }
             let kit = part::of_striker(kit, pad, striker);
-            parts.extend(kit.map(|kit| Part { kit, direct: (index, force(&own, |_, _| 1.0)) }));
+            parts.extend(kit.map(|kit| Part { kit, direct: (index, summed(&own, |_, _| 1.0)) }));
         }
     }
     // What sounds without a contact sounds once.
@@ -50,7 +55,7 @@ pub fn parts(scraped: &Scraped, kit: &kit::Kit) -> Vec<Part> {
 
 /// Sum of forces in Q4.27 of the force bus, each with its share at the end of each tick; within a
 /// tick shares change in straight lines.
-fn force(sources: &[Source], share: impl Fn(&Source, usize) -> f64) -> Vec<i32> {
+fn summed(sources: &[Source], share: impl Fn(&Source, usize) -> f64) -> Vec<i32> {
     let end = sources.iter().map(|source| source.first_frame + source.force_n.len()).max().unwrap_or(0);
     let mut sum = vec![0.0; end];
     for source in sources {
