@@ -23,6 +23,9 @@ use dsp_core::time::TICK_FRAMES;
 /// Maximum number of pads of a kit on a board: the firmware has counters for so many.
 pub const PADS: usize = 16;
 
+/// Length in bytes of a slot of any board, the longest kit that fits: a sector of the chip's flash.
+pub const SLOT_BYTES: usize = 128 << 10;
+
 /// Board as far as its sound depends on it.
 pub trait Board {
     /// Name of the board in the project, such as in `--board`.

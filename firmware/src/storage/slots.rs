@@ -9,6 +9,13 @@ use crate::board::{KIT_SECTORS, SLOTS};
 
 /// True if an upload goes to a sector of its own, and not over the kit of its slot.
 const HAS_SPARE: bool = KIT_SECTORS.len() > SLOTS as usize;
+const _: () = {
+    let mut sector = 0;
+    while sector < KIT_SECTORS.len() {
+        assert!(KIT_SECTORS[sector].bytes as usize == boards::SLOT_BYTES);
+        sector += 1;
+    }
+};
 const _: () = assert!(KIT_SECTORS.len() <= SLOTS as usize + 1, "at most one sector belongs to no slot");
 
 /// Sectors of all slots.

@@ -3,11 +3,24 @@
 use dsp_core::table::Kit;
 use virtual_board::Board;
 
-/// Lines that say which stages of a kit a board leaves out and why, or why it refuses the kit.
+/// Lines that say which stages of a kit a board leaves out and why, or why it refuses the kit; and
+/// whether the kit is too long to be sent to it.
 pub(super) fn left_out(kit: &str, board: Board, table: &Kit<'_>) -> Vec<String> {
     let name = board.name();
-    match malleus::render::board::plan(board, table) {
+    let mut lines = match malleus::render::board::plan(board, table) {
         Ok(plan) => plan.left_out.iter().map(|reason| format!("{kit}: {name} leaves out: {reason}")).collect(),
         Err(error) => vec![format!("{kit}: {name} refuses it and plays its built-in kit: {error}")],
+    };
+    let surfaces = table.surfaces().count();
+    if surfaces > 0 {
+        lines.push(format!("{kit}: {name} leaves out: surfaces, {surfaces} of them: boards play strikes, malleus play --motion scrapes and rolls"));
     }
+    let bytes = table.len_bytes();
+    if bytes > boards::SLOT_BYTES {
+        lines.push(format!(
+            "{kit}: {name} has no room for it: the kit is {bytes} bytes long, and a slot has {}; give it fewer or shorter surfaces, or fewer modes",
+            boards::SLOT_BYTES
+        ));
+    }
+    lines
 }

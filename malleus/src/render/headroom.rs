@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::force;
 use super::instrument::{Output, RenderError, Settings, render};
 use super::level::Level;
+use super::part;
 use super::performance::{Performance, strike};
 
 /// Peak at velocity 1 with the levels that are proposed, in dBFS.
@@ -178,7 +179,7 @@ fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
     let pads: Vec<kit::Pad> = kit.pads.get(pad).into_iter().cloned().collect();
     let objects = kit.objects.iter().filter(|object| pads.iter().any(|pad| pad.object == object.name));
     let strikers = kit.strikers.iter().filter(|striker| pads.iter().any(|pad| pad.strikers.contains(&striker.name)));
-    kit::Kit {
+    part::without_surfaces(kit::Kit {
         name: kit.name.clone(),
         objects: objects.cloned().collect(),
         strikers: strikers.cloned().collect(),
@@ -187,7 +188,7 @@ fn alone(kit: &kit::Kit, pad: usize) -> kit::Kit {
         room: kit.room.clone(),
         headphone_db: None,
         surfaces: Vec::new(),
-    }
+    })
 }
 
 /// Rendered length of a kit's strikes, in seconds.

@@ -53,12 +53,15 @@ pub(super) fn of_striker(kit: &kit::Kit, pad: &kit::Pad, striker: usize) -> Opti
 }
 
 fn without_own_modes(kit: &kit::Kit) -> kit::Kit {
-    let mut part = kit.clone();
-    part.strikers.iter_mut().for_each(|striker| {
-        (striker.scrape, striker.roll) = (None, None);
-        striker.modes.clear();
-    });
-    part.objects.iter_mut().for_each(|object| object.surface = None);
-    part.surfaces.clear();
+    let mut part = without_surfaces(kit.clone());
+    part.strikers.iter_mut().for_each(|striker| striker.modes.clear());
     part
+}
+
+/// Kit whose objects have no surfaces, and whose strikers neither scrape nor roll.
+pub(super) fn without_surfaces(mut kit: kit::Kit) -> kit::Kit {
+    kit.strikers.iter_mut().for_each(|striker| (striker.scrape, striker.roll) = (None, None));
+    kit.objects.iter_mut().for_each(|object| object.surface = None);
+    kit.surfaces.clear();
+    kit
 }

@@ -247,3 +247,15 @@ fn first_example_of_the_format_page_is_played_without_clipping() {
     let text = stdout(folder.path(), "kit check kit.toml");
     assert!(!text.contains("clip"), "{text}");
 }
+
+#[test]
+fn kit_check_hears_kits_with_surfaces_and_says_what_boards_do_with_them() {
+    let done = Command::new(env!("CARGO_BIN_EXE_malleus")).args(["kit", "check", "scrapes"]).output().unwrap();
+    let text = String::from_utf8_lossy(&done.stdout).into_owned() + &String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success() && !text.contains("not checked"), "{text}");
+    for board in ["stm32f407g-disc1", "blackpill-f411"] {
+        let lines: Vec<&str> = text.lines().filter(|line| line.contains(board)).collect();
+        assert!(lines.iter().any(|line| line.contains("leaves out: surfaces, 10 of them")), "{text}");
+        assert!(lines.iter().any(|line| line.contains("and a slot has 131072")), "{text}");
+    }
+}
