@@ -1,24 +1,11 @@
 //! Limited curvature, read from the surface frame by frame.
 
-use zerocopy::byteorder::little_endian::I16;
-
+use super::kernel::{self, Limited};
 use super::ramp::{Ramp, fixed_from};
 use super::spline;
-use super::tanh::{ARGUMENT_BITS, tanh};
+use super::tanh::ARGUMENT_BITS;
 use super::walk::Walk;
-use crate::fixed;
 use crate::table::Surface;
-
-/// Limits and rises of a tick.
-#[derive(Clone, Debug)]
-pub(super) struct Limited {
-    /// From the spline's value to the argument of tanh.
-    factor: Ramp,
-    /// From tanh to the rise of a frame, Q32 of its unit: at most a quarter.
-    rise: Ramp,
-    /// Mean rise, which is left out, Q31.
-    mean: i32,
-}
 
 impl Limited {
     /// Prepares a tick with limits α in metres, and with the largest rise of a frame at its ends
@@ -37,26 +24,7 @@ impl Limited {
 
     /// Rises of the next frames, Q31 of the unit, where the walk goes.
     pub(super) fn render(&mut self, surface: &Surface<'_>, walk: &Walk, rises: &mut [i32]) {
-        read(surface.curvature(), walk, rises);
-        self.limit(rises);
-    }
-
-    #[inline(never)]
-    fn limit(&mut self, rises: &mut [i32]) {
-        let Self { mut factor, mut rise, mean } = *self;
-        for out in rises {
-            let limited = tanh(fixed::smmulr(*out, factor.next()));
-            *out = fixed::smmulr(limited, rise.next()) - mean;
-        }
-        (self.factor, self.rise) = (factor, rise);
-    }
-}
-
-/// Values of a table's spline where a walk goes.
-#[inline(never)]
-fn read(table: &[I16], walk: &Walk, values: &mut [i32]) {
-    for (value, &(point, fraction)) in values.iter_mut().zip(&walk.points) {
-        let four = table.get(point as usize..).and_then(<[_]>::first_chunk::<4>);
-        *value = four.map_or(0, |c| spline::value(c.map(|c| i32::from(c.get())), fraction));
+        kernel::read(surface.curvature(), walk, rises);
+        kernel::limit(self, rises);
     }
 }

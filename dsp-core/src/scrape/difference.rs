@@ -4,7 +4,7 @@ use zerocopy::byteorder::little_endian::I16;
 
 use super::ramp::{Normal, Ramp};
 use super::spline;
-use super::walk::{Walk, point};
+use super::walk::{Point, Walk, point};
 use crate::fixed;
 use crate::table::Surface;
 use crate::table::layout::LIMITS;
@@ -64,10 +64,11 @@ impl Difference {
     }
 
     #[inline(never)]
-    fn at<const COLUMN: usize>(&mut self, table: &[I16], begin: (u32, i32), walk: &Walk, rises: &mut [i32]) {
+    fn at<const COLUMN: usize>(&mut self, table: &[I16], begin: Point, walk: &Walk, rises: &mut [i32]) {
         let [mut first, mut second] = self.weights;
         let mut last = slopes::<COLUMN>(table, begin);
-        for (out, &place) in rises.iter_mut().zip(&walk.points) {
+        let count = rises.len();
+        for (out, &place) in rises.iter_mut().zip(walk.points(count)) {
             let now = slopes::<COLUMN>(table, place);
             // Each value is below 2^29.
             let sum = fixed::smmulr(now[0] - last[0], first.next()) + fixed::smmulr(now[1] - last[1], second.next());
@@ -80,12 +81,12 @@ impl Difference {
 
 /// Slopes at a point and a fraction behind it at the limits `COLUMN` and `COLUMN + 1`.
 #[inline(always)]
-fn slopes<const COLUMN: usize>(table: &[I16], (point, fraction): (u32, i32)) -> [i32; 2] {
-    let Some(c) = table.get(point as usize * LIMITS..).and_then(<[I16]>::first_chunk::<{ 4 * LIMITS }>) else {
+fn slopes<const COLUMN: usize>(table: &[I16], place: Point) -> [i32; 2] {
+    let Some(c) = table.get(place.index as usize * LIMITS..).and_then(<[I16]>::first_chunk::<{ 4 * LIMITS }>) else {
         return [0; 2];
     };
     [0, 1].map(|which| {
         let at = |point: usize| i32::from(c[point * LIMITS + COLUMN + which].get());
-        spline::value([at(0), at(1), at(2), at(3)], fraction)
+        spline::value([at(0), at(1), at(2), at(3)], place.fraction)
     })
 }

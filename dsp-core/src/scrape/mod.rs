@@ -20,6 +20,7 @@
 
 mod curvature;
 mod difference;
+mod kernel;
 mod motion;
 mod path;
 mod power;

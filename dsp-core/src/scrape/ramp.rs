@@ -4,6 +4,7 @@ use crate::time::TICK_FRAMES;
 
 /// Linear ramp over a tick, in fixed point.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(super) struct Ramp {
     value: i32,
     step: i32,

@@ -96,7 +96,7 @@ pub(super) struct Rolled {
     turn_rate: Ramp,
     left: u32,
     right: u32,
-    leak: i32,
+    less: i32,
 }
 
 impl Roll {
@@ -136,9 +136,9 @@ impl Roll {
         [1.0 - self.ball.modulation, 1.0 + self.ball.modulation]
     }
 
-    /// Prepares a tick with the speeds at its ends in m/s, and the share of the height that is lost
-    /// in a frame, Q31.
-    pub(super) fn prepared(&self, speeds: [f32; 2], leak: i32) -> Rolled {
+    /// Prepares a tick with the speeds at its ends in m/s, and the share of the height, Q32, that
+    /// is lost in a frame, with its sign.
+    pub(super) fn prepared(&self, speeds: [f32; 2], less: i32) -> Rolled {
         let frame_s = 1.0 / self.units.rate.hz_f32();
         let turn_a_frame = frame_s / (core::f32::consts::TAU * self.ball.radius_m);
         let [from, to] = speeds.map(|speed| (speed * turn_a_frame * power_of_two(48)) as i64);
@@ -158,7 +158,7 @@ impl Roll {
             turn_rate: Ramp::new(turn_rate.map(|rate| fixed_from(rate, bits - 3))),
             left: left.clamp(0, 31) as u32,
             right: (-left).clamp(0, 31) as u32,
-            leak,
+            less,
         }
     }
 
@@ -176,7 +176,7 @@ impl Roll {
             }
         };
         // Each is below 2^62.
-        let height = self.height - ((i64::from((self.height >> 32) as i32) * i64::from(tick.leak)) << 1) + rise;
+        let height = self.height + i64::from((self.height >> 32) as i32) * i64::from(tick.less) + rise;
         let high = ((height >> 32) as i32).clamp(-LARGEST - 1, LARGEST);
         self.height = (i64::from(high) << 32) | (height & i64::from(u32::MAX));
         let depth = self.rest - fixed::times_q31(self.offset, sine_at(turn.wrapping_add(1 << 30))) + high;

@@ -231,7 +231,7 @@ impl<'k> Scraper<'k> {
         let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
         match &mut self.roll {
             Some(roll) => {
-                let mut tick = roll.prepared(speeds, weights.leak);
+                let mut tick = roll.prepared(speeds, weights.less);
                 self.sum.render_with(weights, q30, force, |slope| roll.next(&mut tick, slope));
             }
             None if self.sum.has_powers() => self.sum.render_with(weights, q30, force, |_| 0),

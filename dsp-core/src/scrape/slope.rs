@@ -1,8 +1,8 @@
 //! Rise of the path's slope in each frame, `∫ S'' dx`: the curvature of the surface, limited by
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
-use super::curvature::Limited;
 use super::difference::Difference;
+use super::kernel::Limited;
 use super::path::{Pair, Segments, Steps};
 use super::ramp::power_of_two;
 use super::walk::Walk;

@@ -3,9 +3,10 @@
 //! The filter looks as far ahead as it looks back, so that its output comes a tick late. Taps
 //! beyond [`DEVIATIONS`] are left out, and the rest sum up to 1.
 
+use super::kernel::{TAPS, filter};
 use super::ramp::power_of_two;
 use crate::SampleRate;
-use crate::fixed::{self, Log2};
+use crate::fixed::Log2;
 use crate::time::TICK_FRAMES;
 
 /// Most taps to either side of the middle one.
@@ -17,8 +18,8 @@ const DEVIATIONS: f32 = 3.5;
 const LEAST_VARIANCE: f32 = 0.005;
 /// Frames that the filter sees: the tick before that of the output, that one, and the next.
 const SEEN: usize = 3 * TICK_FRAMES;
-/// Taps are computed two at a time, the last one may be 0.
-const MAX_TAPS: usize = 2 * MAX_REACH + 2;
+/// Most taps with those of 0 at their end.
+const MAX_TAPS: usize = (2 * MAX_REACH + 1).next_multiple_of(TAPS);
 
 /// Smoothing filter with its history.
 #[derive(Clone, Debug)]
@@ -32,7 +33,7 @@ pub(super) struct Smoothing {
     is_off: bool,
     deviation: f32,
     less: f32,
-    /// Taps, Q31, a multiple of two of them; the middle one stands at `reach`.
+    /// Taps, Q31, in whole steps of [`TAPS`]; the middle one stands at `reach`.
     taps: [i32; MAX_TAPS],
     reach: usize,
     /// Number of ticks since the last one that was not all 0.
@@ -96,7 +97,7 @@ impl Smoothing {
             ratio *= first * first;
         }
         let scale = power_of_two(31) / (sum - 1.0);
-        self.taps.iter_mut().take(2 * before + 2).for_each(|tap| *tap = 0);
+        self.taps.iter_mut().take(2 * before + 1).for_each(|tap| *tap = 0);
         let reach = self.reach;
         for (k, weight) in weights.iter().take(reach + 1).enumerate() {
             // `as` saturates where the middle tap is 1.
@@ -131,7 +132,7 @@ impl Smoothing {
             }
         }
         self.next = if self.next + TICK_FRAMES == SEEN { 0 } else { self.next + TICK_FRAMES };
-        let count = (2 * self.reach + 1).next_multiple_of(2);
+        let count = (2 * self.reach + 1).next_multiple_of(TAPS);
         let taps = self.taps.get(..count).unwrap_or(&[]);
         // The oldest tick lies where the next one will be written.
         let first = self.next + TICK_FRAMES - self.reach;
@@ -142,34 +143,6 @@ impl Smoothing {
     pub(super) const fn is_silent(&self) -> bool {
         self.quiet_ticks >= if self.is_off { 1 } else { 3 }
     }
-}
-
-/// Filters a tick, whose first output's first tap falls on the begin of the history.
-#[inline(never)]
-fn filter(history: &[i32], taps: &[i32], frames: &mut [i32; TICK_FRAMES]) {
-    for (index, four) in frames.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-        *four = four_outputs(history.get(4 * index..).unwrap_or(&[]), taps);
-    }
-}
-
-/// Four outputs at once, two taps at a time, so that each value of the window is read once for all
-/// of them.
-///
-/// Products are rounded to nearest: what were always rounded down would pile up in the path's
-/// slope. The taps sum up to 1 as Q31 and the values are below 2^30, so that the sums stay below
-/// 2^30.
-#[inline(always)]
-fn four_outputs(window: &[i32], taps: &[i32]) -> [i32; 4] {
-    let mut sums = [0; 4];
-    let (Some(&[mut a, mut b, mut c]), Some(rest)) = (window.first_chunk(), window.get(3..)) else { return sums };
-    for (&[t, u], &[d, e]) in taps.as_chunks::<2>().0.iter().zip(rest.as_chunks::<2>().0) {
-        sums[0] = fixed::smmlar(fixed::smmlar(sums[0], a, t), b, u);
-        sums[1] = fixed::smmlar(fixed::smmlar(sums[1], b, t), c, u);
-        sums[2] = fixed::smmlar(fixed::smmlar(sums[2], c, t), d, u);
-        sums[3] = fixed::smmlar(fixed::smmlar(sums[3], d, t), e, u);
-        (a, b, c) = (c, d, e);
-    }
-    sums.map(|sum| sum << 1)
 }
 
 /// Standard deviation in frames of a time in seconds.

@@ -18,11 +18,12 @@ const SHIFT: u32 = 11;
 pub(super) fn value(c: [i32; 4], fraction: i32) -> i32 {
     let [a, b, c, d] = c;
     let outer = a + c;
-    let constant = (outer + 4 * b) << SHIFT;
-    let linear = (3 * (c - a)) << SHIFT;
-    let square = (3 * (outer - 2 * b)) << SHIFT;
+    // Each step of a product's high word halves the sum.
+    let constant = (outer + 4 * b) << (SHIFT - 3);
+    let linear = (3 * (c - a)) << (SHIFT - 2);
+    let square = (3 * (outer - 2 * b)) << (SHIFT - 1);
     let cube = (d - a + 3 * (b - c)) << SHIFT;
-    let sum = square + (fixed::smmul(cube, fraction) << 1);
-    let sum = linear + (fixed::smmul(sum, fraction) << 1);
-    constant + (fixed::smmul(sum, fraction) << 1)
+    let sum = fixed::smmlar(square, cube, fraction);
+    let sum = fixed::smmlar(linear, sum, fraction);
+    fixed::smmlar(constant, sum, fraction) << 3
 }

@@ -37,8 +37,8 @@ pub(super) struct Weights {
     /// Shift of the sum to the left, or to the right.
     left: u32,
     right: u32,
-    /// Share of the slope that is lost in a frame, Q31.
-    pub(super) leak: i32,
+    /// Share of the slope, Q32, that is lost in a frame: at most a half, with its sign.
+    pub(super) less: i32,
 }
 
 impl Sum {
@@ -68,7 +68,7 @@ impl Sum {
             horizontal: Ramp::new(horizontal.map(|gain| fixed_from(gain, bits - SLOPE_BITS + 32))),
             left: left.clamp(0, 31) as u32,
             right: (-left).clamp(0, 31) as u32,
-            leak: fixed_from(0.5 * (speeds[0] + speeds[1]).abs() * self.leak, 31),
+            less: -2 * fixed_from(0.5 * (speeds[0] + speeds[1]).abs() * self.leak, 31),
         }
     }
 
@@ -83,11 +83,11 @@ impl Sum {
 
     #[inline(never)]
     fn render_shifted<const LEFT: bool>(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
-        let Weights { rise: gain, mut vertical, mut horizontal, left, right, leak } = weights;
+        let Weights { rise: gain, mut vertical, mut horizontal, left, right, less } = weights;
         let mut slope = self.slope;
         for frame in frames {
             let rise = *frame;
-            slope = next_slope(slope, i64::from(rise) * i64::from(gain), leak);
+            slope = next_slope(slope, i64::from(rise) * i64::from(gain), less);
             let across = fixed::smmul(high(slope), horizontal.next()).abs();
             let sum = fixed::smmul(rise, vertical.next()) + across;
             *frame = if LEFT { fixed::saturating_shift_left(sum, left) } else { sum >> (right & 31) };
@@ -105,11 +105,11 @@ impl Sum {
         frames: &mut [i32; TICK_FRAMES],
         mut more: impl FnMut(i32) -> i32,
     ) {
-        let Weights { rise: gain, mut vertical, mut horizontal, left, right, leak } = weights;
+        let Weights { rise: gain, mut vertical, mut horizontal, left, right, less } = weights;
         let mut speed = Ramp::new(speeds);
         for frame in frames {
             let rise = *frame;
-            self.slope = next_slope(self.slope, i64::from(rise) * i64::from(gain), leak);
+            self.slope = next_slope(self.slope, i64::from(rise) * i64::from(gain), less);
             let slope = high(self.slope);
             let across = fixed::smmul(slope, horizontal.next()).abs();
             let sum = fixed::smmul(rise, vertical.next()) + across;
@@ -124,11 +124,12 @@ impl Sum {
     }
 }
 
-/// Slope behind a frame: it grows by the rise, and leaks. It stays within [`LARGEST_SLOPE`].
+/// Slope behind a frame: it grows by the rise, and leaks by `less`, Q32. It stays within
+/// [`LARGEST_SLOPE`].
 #[inline(always)]
-fn next_slope(slope: i64, rise: i64, leak: i32) -> i64 {
+fn next_slope(slope: i64, rise: i64, less: i32) -> i64 {
     // A slope below 2^62 and a rise below 2^30 times 2^29.
-    let slope = slope + rise - ((i64::from(high(slope)) * i64::from(leak)) << 1);
+    let slope = slope + rise + i64::from(high(slope)) * i64::from(less);
     let clamped = high(slope).clamp(-LARGEST_SLOPE - 1, LARGEST_SLOPE);
     (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX))
 }

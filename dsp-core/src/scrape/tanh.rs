@@ -16,24 +16,22 @@ const WITHIN_BITS: u32 = ARGUMENT_BITS - 3;
 /// Each piece is the cubic that has the function's values and slopes at its ends.
 #[inline(always)]
 pub(super) fn tanh(argument: i32) -> i32 {
-    let size = argument.unsigned_abs();
-    let piece = (size >> WITHIN_BITS) as usize;
-    // The last piece stands for all that follow.
-    let (terms, t) = match PIECE_TERMS.get(piece) {
-        Some(terms) => (terms, ((size & ((1 << WITHIN_BITS) - 1)) << (31 - WITHIN_BITS)) as i32),
-        None => (&LAST, 0),
-    };
-    let sum = fixed::times_q31(terms[3], t);
-    let sum = fixed::times_q31(terms[2].wrapping_add(sum), t);
-    let sum = fixed::times_q31(terms[1].wrapping_add(sum), t);
-    let value = terms[0].wrapping_add(sum);
-    if argument < 0 { -value } else { value }
+    let sign = argument >> 31;
+    let size = ((argument ^ sign) - sign).min(LARGEST);
+    let terms = &PIECE_TERMS[(size >> WITHIN_BITS) as usize % PIECES];
+    let t = (size & ((1 << WITHIN_BITS) - 1)) << (31 - WITHIN_BITS);
+    let sum = fixed::smmlar(terms[2], terms[3], t);
+    let sum = fixed::smmlar(terms[1], sum, t);
+    let value = fixed::smmlar(terms[0], sum, t) << 3;
+    (value ^ sign) - sign
 }
 
-const LAST: [i32; 4] = [q31(tanh_of(8.0)), 0, 0, 0];
+/// Argument below 8 that stands for all beyond it.
+const LARGEST: i32 = (8 << ARGUMENT_BITS) - 1;
 
-/// Terms of 1, t, t² and t³ of each piece, Q31, t from 0 to 1.
-const PIECE_TERMS: [[i32; 4]; PIECES] = {
+/// Terms of 1, t, t² and t³ of each piece, Q28, Q29, Q30 and Q31, t from 0 to 1: each step of a
+/// product's high word halves the sum.
+pub(super) static PIECE_TERMS: [[i32; 4]; PIECES] = {
     let mut pieces = [[0; 4]; PIECES];
     let mut piece = 0;
     while piece < PIECES {
@@ -42,7 +40,8 @@ const PIECE_TERMS: [[i32; 4]; PIECES] = {
         // Slopes over a piece: tanh' = 1 - tanh².
         let (begin, end) = (width * (1.0 - from * from), width * (1.0 - to * to));
         let rise = to - from;
-        pieces[piece] = [q31(from), q31(begin), q31(3.0 * rise - 2.0 * begin - end), q31(begin + end - 2.0 * rise)];
+        let (square, cube) = (3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise);
+        pieces[piece] = [q31(from / 8.0), q31(begin / 4.0), q31(square / 2.0), q31(cube)];
         piece += 1;
     }
     pieces

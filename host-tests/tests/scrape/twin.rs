@@ -38,7 +38,7 @@ fn scrapes_are_within_107_db_of_the_reference_at_each_speed_and_limit() {
 }
 
 #[test]
-fn rolls_are_within_100_db_of_the_reference() {
+fn rolls_are_within_103_db_of_the_reference() {
     let scrapes = Scrapes::new();
     let mut worst = f64::INFINITY;
     for pad in ["mug", "marimba", "pan", "drum"] {
@@ -47,7 +47,7 @@ fn rolls_are_within_100_db_of_the_reference() {
             let contact = scrapes.contact(pad, "ball", true, [weight_n; 2]);
             let ratio_db = ratio_db(contact, &along((0..1000).map(|_| speed), weight_n));
             worst = worst.min(ratio_db);
-            assert!(ratio_db > 100.0, "{pad} at {speed} m/s: {ratio_db:.1} dB");
+            assert!(ratio_db > 103.0, "{pad} at {speed} m/s: {ratio_db:.1} dB");
         }
     }
     println!("rolls: at least {worst:.1} dB");

@@ -1,0 +1,65 @@
+//! The loops in Rust, with the bits of `cortex_m4.s`.
+
+use zerocopy::byteorder::little_endian::I16;
+
+use super::super::spline;
+use super::super::tanh::tanh;
+use super::super::walk::Walk;
+use super::{Limited, OUTPUTS, TAPS};
+use crate::fixed;
+use crate::table::layout::GUARD;
+use crate::time::TICK_FRAMES;
+
+/// Reads a table's spline where a walk goes: a value for each place.
+pub(in super::super) fn read(table: &[I16], walk: &Walk, values: &mut [i32]) {
+    let places = walk.points(values.len());
+    if table.len() < walk.length() + GUARD {
+        values.fill(0);
+        return;
+    }
+    for (value, place) in values.iter_mut().zip(places) {
+        let four = table.get(place.index as usize..).and_then(<[_]>::first_chunk::<4>);
+        *value = four.map_or(0, |c| spline::value(c.map(|c| i32::from(c.get())), place.fraction));
+    }
+}
+
+/// Limits curvatures, and turns them into rises.
+pub(in super::super) fn limit(limited: &mut Limited, values: &mut [i32]) {
+    for value in values {
+        let limit = tanh(fixed::smmulr(*value, limited.factor.next()));
+        *value = fixed::smmulr(limit, limited.rise.next()) - limited.mean;
+    }
+}
+
+/// Filters a tick of frames: the first output's first tap falls on the begin of the history, which
+/// must be as long as the outputs and the taps together.
+///
+/// Taps are Q31, whole steps of [`TAPS`], and sum up to 1; the values are below 2^30 in size, so
+/// that the sums stay below 2^30. Products are rounded to nearest: what were always rounded down
+/// would pile up in the path's slope.
+pub(in super::super) fn filter(history: &[i32], taps: &[i32], frames: &mut [i32; TICK_FRAMES]) {
+    for (index, outputs) in frames.as_chunks_mut::<OUTPUTS>().0.iter_mut().enumerate() {
+        *outputs = four_outputs(history.get(OUTPUTS * index..).unwrap_or(&[]), taps);
+    }
+}
+
+/// Outputs at once, so that each value of the window is read once for all of them.
+#[inline(always)]
+fn four_outputs(window: &[i32], taps: &[i32]) -> [i32; OUTPUTS] {
+    let mut sums = [0; OUTPUTS];
+    let (Some(&[mut a, mut b, mut c]), Some(rest)) = (window.first_chunk(), window.get(3..)) else { return sums };
+    for (&[t, u, v, w], &[d, e, f, g]) in taps.as_chunks::<TAPS>().0.iter().zip(rest.as_chunks::<TAPS>().0) {
+        sums = accumulated(sums, t, [a, b, c, d]);
+        sums = accumulated(sums, u, [b, c, d, e]);
+        sums = accumulated(sums, v, [c, d, e, f]);
+        sums = accumulated(sums, w, [d, e, f, g]);
+        (a, b, c) = (e, f, g);
+    }
+    sums.map(|sum| sum << 1)
+}
+
+/// Sums with one tap more.
+#[inline(always)]
+fn accumulated(sums: [i32; OUTPUTS], tap: i32, window: [i32; OUTPUTS]) -> [i32; OUTPUTS] {
+    [0, 1, 2, 3].map(|n| fixed::smmlar(sums[n], window[n], tap))
+}
