@@ -71,6 +71,8 @@ pub(crate) enum CommandError {
     Midi { what: &'static str },
     #[error("{}: is read by this command and would be lost; write to another file", output.display())]
     OutputIsInput { output: PathBuf },
+    #[error("{}: is named for two outputs, and one would be lost; give each a file of its own", output.display())]
+    SameOutput { output: PathBuf },
     #[error(
         "{}: exists already, and without -o the first path is the kit to write; give the kit to write behind -o",
         output.display()

@@ -226,13 +226,18 @@ fn play_parts(
     Ok((bus, level))
 }
 
-/// Refuses to write sound or log over the kit, the events or the force that are played.
+/// Refuses to write sound or log over the kit, the events or the force that are played, or over one
+/// another.
 fn refuse_inputs(arguments: &PlayArguments) -> Result<(), CommandError> {
     let direct = arguments.direct.as_deref().map(|direct| split_channel(direct).0);
     let motion = arguments.motion.as_deref();
     let inputs = [Some(Path::new(&arguments.kit)), arguments.strikes.as_deref(), motion, direct.as_deref()];
     for output in [Some(&arguments.output), arguments.log.as_ref(), arguments.force.as_ref()].into_iter().flatten() {
         refuse_input(output, inputs.into_iter().flatten())?;
+    }
+    let sound = &arguments.output;
+    if [&arguments.log, &arguments.force].into_iter().flatten().any(|other| other == sound) {
+        return Err(CommandError::SameOutput { output: sound.clone() });
     }
     Ok(())
 }

@@ -145,6 +145,9 @@ fn motions_that_a_kit_cannot_play_are_refused_by_name_without_a_file() {
         "time_s,pad,action,striker,x_m,y_m,normal_n\n0,bar,roll,stick,0,0,\n1,bar,lift,,0.1,0,\n",
     )
     .unwrap();
+    write_kit(folder, SURFACE, SCRAPE);
+    let done = malleus(folder, "play --kit kit.toml --motion s.csv --force out.wav -o out.wav");
+    assert!(!done.status.success() && String::from_utf8_lossy(&done.stderr).contains("two outputs"));
     for (surface, striker, motion, reasons) in [
         ("", SCRAPE, "s.csv", ["pad bar", "object bar has no surface"]),
         (SURFACE, "", "s.csv", ["pad bar", "striker stick does not scrape"]),
