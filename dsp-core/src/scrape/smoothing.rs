@@ -6,7 +6,6 @@
 use super::kernel::{TAPS, filter};
 use super::ramp::power_of_two;
 use crate::SampleRate;
-use crate::fixed::Log2;
 use crate::time::TICK_FRAMES;
 
 /// Most taps to either side of the middle one.
@@ -82,32 +81,30 @@ impl Smoothing {
         let variance = deviation * deviation - less;
         let before = self.reach;
         self.reach = reach_of(variance);
-        // e^(-1/2σ²) = (1/2)^(1/(2 ln 2 σ²)), whose exponent is at most 15.
+        // e^(-1/2σ²) = 2^-(1/(2 ln 2 σ²)), whose exponent is at most 15.
         let exponent = (1.0 / (2.0 * core::f32::consts::LN_2))
             / (if variance > LEAST_VARIANCE { variance } else { LEAST_VARIANCE });
-        let exponent_q27 = ((if exponent < 15.0 { exponent } else { 15.0 }) * (1 << 27) as f32) as i32;
-        let first = Log2::new(0.5).power(exponent_q27).of(1 << 40) as f32 * power_of_two(-40);
+        let first = power_of_half(if exponent < 15.0 { exponent } else { 15.0 });
         // The tap k is first^(k²): each is the one before times first^(2k + 1).
-        let mut weights = [0.0_f32; MAX_REACH + 1];
-        let (mut weight, mut ratio, mut sum) = (1.0, first, 0.0);
-        for place in weights.iter_mut().take(self.reach + 1) {
-            *place = weight;
-            sum += 2.0 * weight;
+        let square = first * first;
+        let (mut weight, mut ratio, mut sum) = (1.0, first, 1.0);
+        for _ in 0..self.reach {
             weight *= ratio;
-            ratio *= first * first;
+            ratio *= square;
+            sum += 2.0 * weight;
         }
-        let scale = power_of_two(31) / (sum - 1.0);
-        self.taps.iter_mut().take(2 * before + 1).for_each(|tap| *tap = 0);
-        let reach = self.reach;
-        for (k, weight) in weights.iter().take(reach + 1).enumerate() {
-            // `as` saturates where the middle tap is 1.
-            let tap = (weight * scale) as i32;
-            for side in [reach.saturating_sub(k), reach + k] {
-                if let Some(place) = self.taps.get_mut(side) {
-                    *place = tap;
-                }
-            }
+        let scale = power_of_two(31) / sum;
+        let Some((left, [middle, right @ ..])) = self.taps.split_at_mut_checked(self.reach) else { return };
+        // `as` saturates where the middle tap is 1.
+        *middle = scale as i32;
+        (weight, ratio) = (1.0, first);
+        for (before, behind) in left.iter_mut().rev().zip(right) {
+            weight *= ratio;
+            ratio *= square;
+            *before = (weight * scale) as i32;
+            *behind = *before;
         }
+        self.taps.iter_mut().take(2 * before + 1).skip(2 * self.reach + 1).for_each(|tap| *tap = 0);
     }
 
     /// Gives frames to come, and those of the history, a unit that is so many times halved.
@@ -143,6 +140,16 @@ impl Smoothing {
     pub(super) const fn is_silent(&self) -> bool {
         self.quiet_ticks >= if self.is_off { 1 } else { 3 }
     }
+}
+
+/// Power of one half, exact to 2e-7, for exponents from 0 to 15.
+fn power_of_half(exponent: f32) -> f32 {
+    let whole = exponent as i32;
+    // e^-y about the middle of an octave.
+    let y = core::f32::consts::LN_2 * (exponent - whole as f32 - 0.5);
+    let series = [-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 120.0, 1.0 / 24.0, -1.0 / 6.0, 0.5, -1.0, 1.0];
+    let power = series.into_iter().fold(0.0, |sum, term| sum * y + term);
+    core::f32::consts::FRAC_1_SQRT_2 * power * power_of_two(-whole)
 }
 
 /// Standard deviation in frames of a time in seconds.

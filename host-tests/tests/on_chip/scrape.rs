@@ -49,10 +49,10 @@ fn chip_makes_the_force_of_the_pc_bit_for_bit() {
 fn frame_costs_what_docs_scraping_says() {
     // Striker, whether it rolls, speed in m/s, cycles a frame on average and at most.
     for (striker, rolls, speed, mean, worst) in [
-        ("stick", false, 0.2, 279.0, 476.0),
-        ("stick", false, 0.9, 414.0, 678.0),
-        ("stick", false, 2.0, 398.0, 604.0),
-        ("ball", true, 0.2, 675.0, 863.0),
+        ("stick", false, 0.2, 266.0, 460.0),
+        ("stick", false, 0.9, 401.0, 662.0),
+        ("stick", false, 2.0, 385.0, 588.0),
+        ("ball", true, 0.2, 661.0, 846.0),
     ] {
         let [found, dearest] = cycles("mug", striker, rolls, speed);
         println!("{striker} at {speed} m/s: {found:.0} cycles a frame, at most {dearest:.0}");

@@ -132,6 +132,34 @@ fn instrument_and_reference_play_the_same_motion_and_each_ablation_sounds_differ
 }
 
 #[test]
+fn fifty_modes_and_twenty_of_the_scraper_take_with_the_scraping_a_third_of_the_f407() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let modes = |count: u32, hz: f64, ratio: f64| -> String {
+        let mode = |k: u32| {
+            let hz = hz * ratio.powi(k as i32);
+            format!("{{ frequency_hz = {hz:.1}, decay_per_s = {}, gain_sine = 20.0 }}", 10 + 3 * k)
+        };
+        format!("modes = [{}]", (0..count).map(mode).collect::<Vec<_>>().join(", "))
+    };
+    write_kit(folder, SURFACE, &format!("{}\n{SCRAPE}", modes(20, 900.0, 1.12)));
+    let kit = fs::read_to_string(folder.join("kit.toml")).unwrap();
+    let one = kit.split("modes = [").nth(1).unwrap().split_once(']').unwrap().0.to_owned();
+    let kit = kit.replacen(&format!("modes = [{one}]"), &modes(50, 300.0, 1.07), 1);
+    fs::write(folder.join("kit.toml"), kit).unwrap();
+    runs(folder, "motion back-and-forth --pad bar -o m.csv");
+    let words = "play --kit kit.toml --motion m.csv --board stm32f407g-disc1 -o out.wav --json";
+    let done = malleus(folder, words);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let frame = report["work"]["largest_predicted_cycles"].as_f64().unwrap() / 32.0;
+    // docs/scraping.md has the cycles of the scraping itself, which the virtual core counts.
+    let share = (frame + 266.0) * report["rate_hz"].as_f64().unwrap() / 168e6;
+    println!("{frame:.0} cycles a frame without the scraping, {:.1} % of 168 MHz with it", 100.0 * share);
+    assert!(frame > 600.0 && share < 0.34);
+}
+
+#[test]
 fn motions_that_a_kit_cannot_play_are_refused_by_name_without_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
