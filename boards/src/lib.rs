@@ -23,7 +23,7 @@ use dsp_core::time::TICK_FRAMES;
 /// Maximum number of pads of a kit on a board: the firmware has counters for so many.
 pub const PADS: usize = 16;
 
-/// Length in bytes of a slot of any board, the longest kit that fits: a sector of the chip's flash.
+/// Capacity of a slot for kits in bytes, on every board: one sector of the chip's flash.
 pub const SLOT_BYTES: usize = 128 << 10;
 
 /// Board as far as its sound depends on it.

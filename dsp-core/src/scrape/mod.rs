@@ -14,9 +14,9 @@
 //! limited path `S'` at three limits α, each in octaves of its own resolution.
 //!
 //! A slow contact reads the curvature and limits it as it goes. A fast one would alias: the limit
-//! makes harmonics far above half the sample rate. It takes the mean of `S''` over each frame from
-//! two values of the slope, `(S'(b) - S'(a))/(b - a)`, of the octave whose points lie about a frame
-//! apart.
+//! makes harmonics far above half the sample rate. So it reads the slope at both ends of a frame:
+//! their difference is the mean of `S''` times the way. The slope comes from the octave whose
+//! points lie about a frame apart.
 
 mod curvature;
 mod difference;

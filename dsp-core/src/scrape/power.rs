@@ -6,8 +6,7 @@ use crate::fixed::{self, Log2};
 /// Number of intervals of a mantissa, 1 to 2.
 const INTERVALS: usize = 64;
 
-/// Powers of numbers with a fixed exponent: a table of the mantissa's powers, and one of the powers
-/// of two.
+/// Tables for powers with a fixed exponent p: `m^p` of mantissas m, and `2^(-i p)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Powers {
     /// `(1 + i/64)^p / 2^p`, Q29, up to a mantissa of 2 + 1/64.

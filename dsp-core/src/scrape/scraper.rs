@@ -18,9 +18,10 @@ use crate::time::TICK_FRAMES;
 
 /// Seconds in which the force of a ball comes when it begins to move, and goes when it rests.
 const GATE_S: f32 = 0.02;
-/// Distance in steps of the grid in which slope and height of the path are lost: 10 shortest waves.
-/// Else a hop to another place of the surface, where slopes do not fit together, would throw the
-/// path far off.
+/// Decay length of the path's slope and height in steps of the grid: 10 shortest waves.
+///
+/// Slopes do not fit together where the path hops to another place of the surface. Without a decay
+/// each hop would throw the path far off.
 const LEAK_STEPS: f32 = 28.0;
 /// Largest rises of a frame in the unit of slopes.
 const LARGEST_RISES: f32 = 4.0;
@@ -95,7 +96,12 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 /// Force of one contact, a tick at a time.
 ///
 /// The output comes [`delay`](Self::delay) frames after the motion: the smoothing looks as far
-/// ahead as it looks back.
+/// ahead as it looks back. Equations: scraping-rolling eq. 1 to 7, and 15 to 19 for a ball.
+///
+/// Accuracy: at least 110 dB of the `f64` reference for scrapes at 0.05 to 2 m/s, 106 dB for rolls
+/// (`cargo test -p host-tests --test scrape twin:: -- --nocapture`). Cost on a Cortex-M4F: 266 to
+/// 401 cycles a frame, 661 for a ball, 8 at rest (`cargo test -p host-tests --test on_chip scrape::
+/// -- --nocapture`).
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,
@@ -131,7 +137,8 @@ impl<'k> Scraper<'k> {
         let force_n = contact.reference_force_n;
         let other = (slope_exponent != 1.0).then(|| {
             // The power is that of speed and slope over 8 units at the highest speed.
-            let scale = powers_scale(8.0 * MAX_SPEED_M_PER_S * unit, slope_exponent);
+            let largest = f64::from(8.0 * MAX_SPEED_M_PER_S * unit);
+            let scale = exponential::power(largest, slope_exponent.into()) as f32;
             (Powers::new(slope_exponent), Gain::new(slope_gain * scale / force_n, 27))
         });
         let sum = Sum::new(
@@ -289,9 +296,4 @@ impl<'k> Scraper<'k> {
         let power = if share > 0.0 { Log2::new(share).power(q27).of(1 << 30) as f32 * power_of_two(-30) } else { 0.0 };
         most_m + power * (least_m - most_m)
     }
-}
-
-/// Power of a number above 0, for numbers that [`Log2`] does not take.
-fn powers_scale(number: f32, exponent: f32) -> f32 {
-    crate::exponential::power(f64::from(number), f64::from(exponent)) as f32
 }

@@ -7,8 +7,8 @@ use fourier::Complex;
 /// Points of the path for each height.
 const FINE: usize = 8;
 
-/// Path whose curvature is `tanh(α z'')/α`, at [`FINE`] points a height, with the instrument's leak
-/// of slope and height over a length; without a limit α the path is the surface's own.
+/// Path whose curvature is `tanh(α z'')/α`, at [`FINE`] points a height. Without a limit α its
+/// curvature is the surface's own. Slope and height decay over `leak_m`, as in the instrument.
 pub(crate) fn path(heights_m: &[f64], length_m: f64, leak_m: f64, alpha_m: Option<f64>) -> Vec<f64> {
     let points = heights_m.len() * FINE;
     let wave = |bin: usize| TAU * bin as f64 / length_m;

@@ -5,8 +5,10 @@ use host_tests::scrape::bands::{Apart, apart, energies, middles_hz};
 use host_tests::scrape::law::{Law, OVERSAMPLING};
 use host_tests::scrape::{RATE, Scrapes, along, twin};
 
-/// Errors of the reference and of ThreeDWorld's arithmetic at a speed, which goes up and down about
-/// its mean by a share, at a limit between the least (0) and the largest (1).
+/// Errors of the reference and of ThreeDWorld's arithmetic.
+///
+/// `between` picks the limit, 0 the least and 1 the largest. The speed swings about its mean by
+/// `share`.
 fn errors(scrapes: &Scrapes, pad: &str, between: f32, (speed, share): (f64, f64)) -> [Apart; 2] {
     let contact = scrapes.contact(pad, "stick", false, [1.0, 1.0]);
     let alpha_m = contact.alpha_m[0] + between * (contact.alpha_m[1] - contact.alpha_m[0]);

@@ -28,8 +28,8 @@ const RECOGNIZED: (&str, &str) = ("pan", "stick");
 
 /// Report of a page that `--json` prints (docs/json.md).
 #[derive(Debug, Serialize)]
-struct PageReport<'a> {
-    page: &'a Path,
+struct PageReport {
+    page: PathBuf,
     kit: &'static str,
     trials: usize,
     methods: Vec<&'static str>,
@@ -73,19 +73,23 @@ pub(crate) fn run(command: &StudyCommand) -> Result<(), CommandError> {
     match command {
         StudyCommand::Scraping(arguments) => {
             if let Some(folder) = &arguments.output {
-                page(Experiment::Scraping, folder, arguments.json && !arguments.stand_in)?;
+                let report = page(Experiment::Scraping, folder)?;
+                // The stand-in's JSON stands alone on stdout.
+                if !(arguments.stand_in && arguments.json) {
+                    report.print(arguments.json)?;
+                }
             }
             match arguments.stand_in {
                 true => stand_in(arguments.renderings, arguments.seed, arguments.json),
                 false => Ok(()),
             }
         }
-        StudyCommand::Rolling(arguments) => page(Experiment::Rolling, &arguments.output, arguments.json),
+        StudyCommand::Rolling(arguments) => page(Experiment::Rolling, &arguments.output)?.print(arguments.json),
     }
 }
 
 /// Renders all trials by all methods, and writes sounds and page.
-fn page(experiment: Experiment, folder: &Path, json: bool) -> Result<(), CommandError> {
+fn page(experiment: Experiment, folder: &Path) -> Result<PageReport, CommandError> {
     let loaded = kit::open(KIT)?;
     let trials = trials(experiment);
     let methods: Vec<_> = methods(experiment).collect();
@@ -96,7 +100,7 @@ fn page(experiment: Experiment, folder: &Path, json: bool) -> Result<(), Command
         cause,
     })?;
     let bar = progress((trials.len() * methods.len()) as u64, "rendering the trials");
-    let played = trials.par_iter().map(|trial| {
+    let rendered = trials.par_iter().map(|trial| {
         let sounds = methods.iter().map(|method| {
             let sound = played(&loaded.kit, trial, method.ablations)?;
             bar.inc(1);
@@ -104,10 +108,10 @@ fn page(experiment: Experiment, folder: &Path, json: bool) -> Result<(), Command
         });
         sounds.collect::<Result<Vec<_>, CommandError>>()
     });
-    let played = played.collect::<Result<Vec<_>, CommandError>>()?;
+    let rendered = rendered.collect::<Result<Vec<_>, CommandError>>()?;
     bar.finish_and_clear();
     let (mut rated, mut reports) = (Vec::new(), Vec::new());
-    for (index, (trial, sounds)) in trials.iter().zip(played).enumerate() {
+    for (index, (trial, sounds)) in trials.iter().zip(rendered).enumerate() {
         let mut own = Vec::new();
         for (method, sound) in sounds {
             let gain = gain(&sound);
@@ -123,16 +127,21 @@ fn page(experiment: Experiment, folder: &Path, json: bool) -> Result<(), Command
     let path = folder.join(PAGE_FILE);
     write_page(&path, experiment, &rated)?;
     let methods: Vec<_> = methods.iter().map(|method| method.name).collect();
-    let report = PageReport { page: &path, kit: KIT, trials: trials.len(), methods, sounds: reports };
-    if json {
-        return print_json(&report);
+    Ok(PageReport { page: path, kit: KIT, trials: trials.len(), methods, sounds: reports })
+}
+
+impl PageReport {
+    fn print(&self, json: bool) -> Result<(), CommandError> {
+        if json {
+            return print_json(self);
+        }
+        print(&format!(
+            "{}: {} trials, each by {}; open it in a browser, rate the sounds, and save the ratings at the end\n",
+            self.page.display(),
+            self.trials,
+            self.methods.join(", ")
+        ))
     }
-    print(&format!(
-        "{}: {} trials, each by {}; open it in a browser, rate the sounds, and save the ratings at the end\n",
-        path.display(),
-        report.trials,
-        report.methods.join(", ")
-    ))
 }
 
 /// Sound of a trial without parts of the model.

@@ -46,6 +46,9 @@ pub enum StudyError {
         /// Length in seconds.
         seconds: f64,
     },
+    /// The page's data cannot be written as JSON.
+    #[error("the page's data cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
     /// The page cannot be written.
     #[error(transparent)]
     File(#[from] FileError),

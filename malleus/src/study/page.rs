@@ -51,7 +51,7 @@ pub fn write_page(path: &Path, experiment: Experiment, rated: &[Rated]) -> Resul
         Experiment::Rolling => ("rolling", "rolled over"),
     };
     let trials = rated.iter().map(encoded).collect::<Result<_, StudyError>>()?;
-    let data = serde_json::to_string(&PageStudy { name, trials }).unwrap_or_default();
+    let data = serde_json::to_string(&PageStudy { name, trials })?;
     let body = format!(
         "<h1>How real does it sound?</h1>\n\
          <p>Each page describes how something is {verb}, and gives renderings of it in random order. Use headphones. \

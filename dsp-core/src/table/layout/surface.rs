@@ -9,8 +9,8 @@ use super::NAME_BYTES;
 pub const LIMITS: usize = 3;
 /// Number of octaves in which it is held; each has half the points of the one before.
 pub const OCTAVES: usize = 7;
-/// Coefficients of a spline beyond those of its points, so that a reader needs no end: the last one
-/// stands once more before the first, and the first two behind the last.
+/// Number of a spline's coefficients that stand twice: a copy of the last one before the first, and
+/// copies of the first two behind the last. A reader may so take four in a row at any place.
 pub const GUARD: usize = 3;
 /// Points of the grid are a multiple of this, so that each octave has a whole number.
 pub const GRID_MULTIPLE: usize = 1 << (OCTAVES - 1);

@@ -43,8 +43,8 @@ pub const BALANCE: [u8; 4] = *b"bala";
 /// they play at [`DEFAULT_HEADPHONE_DB`](crate::table::range::DEFAULT_HEADPHONE_DB). A reader
 /// may skip it.
 pub const HEADPHONE: [u8; 4] = *b"head";
-/// Surface: [`SurfaceHeader`](super::SurfaceHeader), heights, curvature, slopes, texts. One section
-/// for each surface; a reader may skip it.
+/// Surface; one section for each, which a reader may skip. It holds a
+/// [`SurfaceHeader`](super::SurfaceHeader), then heights, curvature, slopes and texts.
 pub const SURFACE: [u8; 4] = *b"surf";
 /// Surfaces of objects: [`ObjectSurfaceRecord`](super::ObjectSurfaceRecord)s in the order of their
 /// objects. At most one section; a reader may skip it.
