@@ -25,8 +25,8 @@ const BETWEEN_STROKES_S: f64 = 1e-6;
 impl Trial {
     /// Draws the trial: a line a millisecond, or more where the path turns quickly.
     ///
-    /// The steps are so fine that the acceleration that [`Motion`](crate::motion::Motion) reads is within 0.02 % of the
-    /// path's own at the ends of strokes.
+    /// The steps are so fine that the acceleration that [`Motion`](crate::motion::Motion) reads is
+    /// within 0.02 % of the path's own at the ends of strokes.
     ///
     /// # Errors
     /// [`TrialError`] for parameters out of their ranges, and for a path that is too fast.
