@@ -183,6 +183,14 @@ pub enum Fault {
     /// All heights of a surface are the same.
     #[error("heights: all are the same; a surface must have waves")]
     Flat,
+    /// The heights of a map do not fill its rows.
+    #[error("heights: {heights} numbers do not make {rows} rows of one length; give as many to each row")]
+    Uneven {
+        /// Number of heights.
+        heights: usize,
+        /// Number of rows.
+        rows: usize,
+    },
     /// A scraper's limits, of which one is that of a surface, are upside down.
     #[error(
         "alpha_min_m and alpha_max_m are {least_m:e} and {most_m:e} on surface {surface:?}: the first must be below the second"

@@ -1,17 +1,17 @@
 //! Limited curvature, read from the surface frame by frame.
 
-use super::kernel::{self, Limited};
+use super::kernel::{Limited, MAP_ONE};
 use super::ramp::{Ramp, fixed_from};
 use super::spline;
 use super::tanh::ARGUMENT_BITS;
-use super::walk::Walk;
 use crate::table::Surface;
 
 impl Limited {
     /// Prepares a tick with limits α in metres, and with the largest rise of a frame at its ends
     /// and the mean one, in units.
     pub(super) fn new(surface: &Surface<'_>, alpha_m: [f32; 2], rise: [f32; 2], mean: f32) -> Self {
-        let unit = surface.curvature_unit_per_m() * (1.0 / spline::ONE as f32);
+        let one = if surface.map().is_some() { MAP_ONE } else { spline::ONE };
+        let unit = surface.curvature_unit_per_m() * (1.0 / one as f32);
         // The product's high word has the argument's bits. A larger factor than 2^30 stands for
         // arguments of which all but the smallest are beyond the end of tanh.
         let factor = alpha_m.map(|alpha_m| fixed_from(alpha_m * unit, ARGUMENT_BITS as i32 + 32));
@@ -20,11 +20,5 @@ impl Limited {
             rise: Ramp::new(rise.map(|rise| fixed_from(rise, 32))),
             mean: fixed_from(mean, 31),
         }
-    }
-
-    /// Rises of the next frames, Q31 of the unit, where the walk goes.
-    pub(super) fn render(&mut self, surface: &Surface<'_>, walk: &Walk, rises: &mut [i32]) {
-        kernel::read(surface.curvature(), walk, rises);
-        kernel::limit(self, rises);
     }
 }

@@ -23,6 +23,7 @@ mod difference;
 mod kernel;
 mod motion;
 mod path;
+mod plane;
 mod power;
 mod ramp;
 mod roll;
@@ -34,6 +35,7 @@ mod spline;
 mod sum;
 mod tanh;
 mod walk;
+mod way;
 
 pub use motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
 pub use path::SEGMENT_STEPS;

@@ -29,7 +29,9 @@ pub(super) struct Segments {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
     /// From a place on the path to that in the table, in both segments.
-    pub(super) offsets: [Steps; 2],
+    offsets: [Steps; 2],
+    /// Number of the second segment.
+    pub(super) second: i64,
     /// Place at which the second segment begins, and length of the fade before it.
     boundary: Steps,
     fade: Steps,
@@ -62,6 +64,7 @@ impl Segments {
         let second = (place + (1 << (bits - 1))) >> bits;
         Pair {
             offsets: [self.offset(second - 1), self.offset(second)],
+            second,
             boundary: second << bits,
             fade: 1 << (bits - FADE_SHIFT),
             shift: self.bits + 1 - FADE_SHIFT,
@@ -70,31 +73,65 @@ impl Segments {
 
     /// Offset from a place on the path to a segment's place in the table.
     fn offset(&self, segment: i64) -> Steps {
-        // The finalizer of MurmurHash3 (Appleby, public domain) spreads the bits of the number.
-        let mut x = (segment as u32).wrapping_add(self.seed);
-        x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
-        x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
-        x ^= x >> 16;
-        let first = (u64::from(x) * u64::from(self.points)) >> 32;
-        ((first as i64) << 32) - (segment << (32 + self.bits))
+        point_of(spread((segment as u32).wrapping_add(self.seed)), self.points) - (segment << (32 + self.bits))
+    }
+
+    /// Offset from a place in the plane to a segment's place in a map with a number of columns and
+    /// rows.
+    pub(super) fn offset_in_map(&self, segment: i64, points: [u32; 2]) -> [Steps; 2] {
+        let x = spread((segment as u32).wrapping_add(self.seed));
+        [point_of(x, points[0]), point_of(spread(x), points[1])]
     }
 
     /// Place in the table, from 0 to its length.
     pub(super) fn in_table(&self, place: Steps) -> Steps {
-        let length = i64::from(self.points) << 32;
-        let mut place = place;
-        // A few rounds at most: places of a segment lie within a table's length of its begin.
-        while place >= length {
-            place -= length;
-        }
-        while place < 0 {
-            place += length;
-        }
-        place
+        in_table(place, self.points)
+    }
+}
+
+/// Number whose bits are spread by the finalizer of MurmurHash3 (Appleby, public domain).
+const fn spread(mut x: u32) -> u32 {
+    x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
+    x ^ (x >> 16)
+}
+
+/// Point of a table for a random number.
+const fn point_of(x: u32, points: u32) -> Steps {
+    (((x as u64 * points as u64) >> 32) as i64) << 32
+}
+
+/// Place in a periodic table of `points` points, from 0 to its length.
+pub(super) const fn in_table(place: Steps, points: u32) -> Steps {
+    let length = (points as i64) << 32;
+    // Places of a segment lie within a table's length of its begin, but for a contact that goes
+    // several times over a small map in a frame.
+    let is_far = place >= 4 * length || place < -4 * length;
+    let mut place = if is_far { remainder(place, length) } else { place };
+    while place >= length {
+        place -= length;
+    }
+    while place < 0 {
+        place += length;
+    }
+    place
+}
+
+/// Rest of a division without a way to panic.
+const fn remainder(place: Steps, length: Steps) -> Steps {
+    match place.checked_rem(length) {
+        Some(rest) => rest,
+        None => 0,
     }
 }
 
 impl Pair {
+    /// Offset of the second segment or of the first.
+    pub(super) const fn offset(&self, is_second: bool) -> Steps {
+        let [first, second] = self.offsets;
+        if is_second { second } else { first }
+    }
+
     /// Weight of the second segment at a place, Q31 from 0 to 1.
     #[inline(always)]
     pub(super) fn weight(&self, place: Steps) -> i32 {

@@ -2,6 +2,7 @@
 //! and that of a ball with it (eq. 19).
 
 use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
+use super::plane::{Heading, weights_of};
 use super::power::Powers;
 use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
 use super::roll::{Roll, Rolling, Units};
@@ -112,14 +113,16 @@ pub struct Scraper<'k> {
     roll: Option<Roll>,
     /// Slope of one unit, four times the largest rise of a frame.
     unit: f32,
-    /// Direction of the last motion, and its signed speeds at the ends of the last four ticks.
+    /// Last motion that was none of rest, and velocity of the last one, in m/s.
     heading: [f32; 2],
+    velocity: [f32; 2],
+    /// Signed speeds at the ends of the last four ticks.
     is_backwards: bool,
     speeds: [f32; 4],
     alpha_m: f32,
     normal_n: f32,
-    /// From steps a frame to m/s.
-    steps: f32,
+    /// From m/s to points of the grid a frame: along a profile or the rows of a map, and across.
+    steps: [f32; 2],
     /// Share of the force, 0 while lifted, Q30.
     gate: i32,
     is_first: bool,
@@ -158,11 +161,13 @@ impl<'k> Scraper<'k> {
             roll: contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units)),
             unit,
             heading: [0.0; 2],
+            velocity: [0.0; 2],
             is_backwards: false,
             speeds: [0.0; 4],
             alpha_m: 0.5 * (least_m + most_m),
             normal_n: 0.0,
-            steps: 1.0 / (surface.grid_step_m() * rate.hz_f32()),
+            steps: [surface.grid_step_m(), surface.map().map_or(1.0, |map| map.row_step_m())]
+                .map(|step_m| 1.0 / (step_m * rate.hz_f32())),
             gate: 0,
             is_first: true,
         }
@@ -198,7 +203,10 @@ impl<'k> Scraper<'k> {
             return Ok(());
         }
         let [_, earliest, earlier, before] = self.speeds;
+        let before_heading = self.heading;
         let speed = self.signed_speed(motion);
+        let is_map = self.contact.surface.map().is_some();
+        let heading = if is_map { self.heading_over_tick(before_heading, motion) } else { Heading::default() };
         self.speeds = [earliest, earlier, before, speed];
         let share = self.roll.as_ref().map_or(1.0, |roll| roll.normal_share(speed < 0.0));
         self.normal_n = motion.normal_n.max(0.0) * share;
@@ -207,8 +215,9 @@ impl<'k> Scraper<'k> {
         let limit = self.limit_m();
         let from = if self.is_first { limit } else { self.alpha_m };
         (self.alpha_m, self.is_first) = (limit, false);
-        let ends = Ends { steps: [before * self.steps, speed * self.steps], alpha_m: [from, limit] };
-        let reading = Reading::of(ends.steps[0].abs().max(ends.steps[1].abs()));
+        let [along, _] = self.steps;
+        let ends = Ends { steps: [before * along, speed * along], alpha_m: [from, limit], heading };
+        let reading = Reading::of(ends.steps[0].abs().max(ends.steps[1].abs()), is_map);
         let halvings = self.halvings();
         self.slope.render(ends, reading, self.unit * power_of_two(-(halvings as i32)), force);
         let mean = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
@@ -258,6 +267,19 @@ impl<'k> Scraper<'k> {
             force.iter_mut().for_each(|force| *force = fixed::times_q31(*force, gate.next()) << 1);
         }
         self.gate = to;
+    }
+
+    /// Motion over the plane from the last motion to this one. Rest has the direction of the motion
+    /// before.
+    fn heading_over_tick(&mut self, before: [f32; 2], motion: Motion) -> Heading {
+        let (from, to) = (self.velocity, motion.velocity_m_per_s);
+        self.velocity = to;
+        let before = if before == [0.0; 2] { self.heading } else { before };
+        let [along, across] = self.steps;
+        Heading {
+            points: [[from[0] * along, to[0] * along], [from[1] * across, to[1] * across]],
+            directions: [weights_of(before), weights_of(self.heading)],
+        }
     }
 
     /// Speed along the path: positive until the motion turns back on itself.

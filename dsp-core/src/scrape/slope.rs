@@ -2,10 +2,11 @@
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
 use super::difference::Difference;
-use super::kernel::Limited;
+use super::kernel::{self, Directions, Limited};
 use super::path::{Pair, Segments, Steps};
-use super::ramp::power_of_two;
+use super::plane::{Heading, Plane, directions, wave_sum};
 use super::walk::Walk;
+use super::way::Way;
 use crate::fixed;
 use crate::table::Surface;
 use crate::table::layout::OCTAVES;
@@ -29,12 +30,13 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Way for a tick whose largest speed is given in steps a frame.
-    pub(super) fn of(steps: f32) -> Self {
+    /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile. A map
+    /// has no slopes, which hang on the way by which one has come.
+    pub(super) fn of(steps: f32, is_map: bool) -> Self {
         if steps <= ONCE_STEPS {
             return Self::Once;
         }
-        if steps <= TWICE_STEPS {
+        if steps <= TWICE_STEPS || is_map {
             return Self::Twice;
         }
         let octave = ((steps * (1.0 / TWICE_STEPS)).to_bits() >> 23) as usize;
@@ -58,13 +60,15 @@ pub(super) struct Ends {
     pub(super) steps: [f32; 2],
     /// Limit α in metres.
     pub(super) alpha_m: [f32; 2],
+    /// Motion over the plane, which maps need.
+    pub(super) heading: Heading,
 }
 
 /// Preparation of a tick, by its way of reading.
 #[derive(Clone, Debug)]
 enum Tick {
-    Once(Limited),
-    Twice(Limited),
+    Once(Limited, Directions),
+    Twice(Limited, Directions),
     Octave(usize, Difference),
 }
 
@@ -74,6 +78,8 @@ pub(super) struct Slope<'k> {
     surface: Surface<'k>,
     segments: Segments,
     place: Steps,
+    /// Place on a map.
+    plane: Option<Plane<'k>>,
     /// Places of the block that is read.
     walk: Walk,
     /// Rises that are mixed with others.
@@ -83,47 +89,48 @@ pub(super) struct Slope<'k> {
 impl<'k> Slope<'k> {
     /// Reads a surface from place 0.
     pub(super) fn new(surface: Surface<'k>, seed: u32) -> Self {
-        let segments = Segments::new(surface.grid_points() as u32, seed);
-        Self { surface, segments, place: 0, walk: Walk::new(), others: [0; TICK_FRAMES] }
+        let plane = Plane::new(&surface);
+        let points = plane.as_ref().map_or(surface.grid_points() as u32, Plane::shorter);
+        let segments = Segments::new(points, seed);
+        Self { surface, segments, place: 0, plane, walk: Walk::new(), others: [0; TICK_FRAMES] }
     }
 
     /// Goes on over a tick.
     ///
     /// Gives the rise of the slope in each frame, Q31 of `unit`, within ±2^30.
     pub(super) fn render(&mut self, ends: Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
-        let [from, to] = ends.steps.map(|steps| (steps * power_of_two(32)) as i64);
-        let step = (to - from) / TICK_FRAMES as i64;
-        // Each frame goes on by its mean speed, so that there and back end where they began.
-        let mut speed = from - (step >> 1);
-        let largest = from.abs().max(to.abs());
+        let mut way = Way::new(ends.steps);
+        let [from, to] = Way::limits(ends.steps);
+        let largest = from.max(to);
         let block = self.segments.block(largest);
-        let mut tick = self.prepared(ends, reading, unit);
+        let mut tick = self.prepared(&ends, reading, unit);
+        if let Some(plane) = &mut self.plane {
+            plane.begin(&ends.heading);
+        }
         for rises in rises.chunks_mut(block) {
-            self.block(&mut tick, [speed, step], largest, rises);
-            for _ in 0..block {
-                speed += step;
-                self.place += speed;
+            self.block(&mut tick, way, largest, rises);
+            self.place += way.go_on(rises.len());
+            if let Some(plane) = &mut self.plane {
+                plane.go_on(rises.len());
             }
         }
     }
 
     /// Rises of a block of frames from the place on.
-    fn block(&mut self, tick: &mut Tick, [speed, step]: [i64; 2], largest: i64, rises: &mut [i32]) {
+    fn block(&mut self, tick: &mut Tick, way: Way, largest: i64, rises: &mut [i32]) {
         // A single frame may go over several segments; it counts for that of its middle.
         let is_single = rises.len() == 1;
-        let middle = self.place + ((speed + step) >> 1);
+        let middle = self.place + ((way.speed + way.step) >> 1);
         let (near, distance) = if is_single { (middle, 0) } else { (self.place, largest * rises.len() as i64) };
         let pair = self.segments.nearest(near);
-        let [first, second] = pair.offsets;
         match pair.only(near, distance) {
-            Some(0) => self.read(tick, first, [speed, step], rises),
-            Some(_) => self.read(tick, second, [speed, step], rises),
+            Some(only) => self.read(tick, (&pair, only == 1), way, rises),
             None => {
-                self.read(&mut tick.clone(), second, [speed, step], rises);
+                self.read(&mut tick.clone(), (&pair, true), way, rises);
                 let mut others = self.others;
                 others.iter_mut().zip(rises.iter()).for_each(|(other, rise)| *other = *rise);
-                self.read(tick, first, [speed, step], rises);
-                self.fade(&pair, [speed, step], rises, &others);
+                self.read(tick, (&pair, false), way, rises);
+                self.fade(&pair, way.ends(), rises, &others);
             }
         }
     }
@@ -138,38 +145,51 @@ impl<'k> Slope<'k> {
         }
     }
 
-    /// Rises of a block in one segment, at an offset from the path to the table.
-    fn read(&mut self, tick: &mut Tick, offset: Steps, [speed, step]: [i64; 2], rises: &mut [i32]) {
-        let points = self.surface.grid_points();
-        let (begin, segments) = (self.place + offset, self.segments);
-        // Walk that is in each frame where the path has gone on by some quarters of the frame: it
-        // is the rest of the frame behind, and so is its speed.
-        let go = |walk: &mut Walk, quarters: i64, frames: usize| {
-            let rest = |whole: i64| (whole * (4 - quarters)) >> 2;
-            walk.go(segments.in_table(begin - rest(speed)), [speed - rest(step), step], points, frames);
-        };
+    /// Rises of a block in one of two segments.
+    fn read(&mut self, tick: &mut Tick, segment: (&Pair, bool), way: Way, rises: &mut [i32]) {
         match tick {
-            Tick::Once(limited) => {
-                go(&mut self.walk, 2, rises.len());
-                limited.render(&self.surface, &self.walk, rises);
+            Tick::Once(limited, directions) => {
+                self.curvatures(segment, (way, 2), directions, rises);
+                kernel::limit(limited, rises);
             }
-            Tick::Twice(limited) => {
-                let Some(others) = self.others.get_mut(..rises.len()) else { return };
-                go(&mut self.walk, 3, others.len());
-                limited.clone().render(&self.surface, &self.walk, others);
-                go(&mut self.walk, 1, rises.len());
-                limited.render(&self.surface, &self.walk, rises);
+            Tick::Twice(limited, directions) => {
+                let mut others = self.others;
+                let Some(others) = others.get_mut(..rises.len()) else { return };
+                self.curvatures(segment, (way, 3), &mut directions.clone(), others);
+                kernel::limit(&mut limited.clone(), others);
+                self.curvatures(segment, (way, 1), directions, rises);
+                kernel::limit(limited, rises);
                 rises.iter_mut().zip(others).for_each(|(rise, other)| *rise = (*rise >> 1) + (*other >> 1));
             }
             Tick::Octave(octave, difference) => {
-                let place = self.segments.in_table(begin) >> *octave;
-                self.walk.go(place, [speed >> *octave, step >> *octave], points >> *octave, rises.len());
+                let (pair, is_second) = segment;
+                let points = self.surface.grid_points();
+                let place = self.segments.in_table(self.place + pair.offset(is_second)) >> *octave;
+                let [speed, step] = way.ends().map(|speed| speed >> *octave);
+                self.walk.go(place, [speed, step], points >> *octave, rises.len());
                 difference.render(&self.surface, place, &self.walk, rises);
             }
         }
     }
 
-    fn prepared(&self, ends: Ends, reading: Reading, unit: f32) -> Tick {
+    /// Curvatures of a block, read after some quarters of each frame.
+    fn curvatures(
+        &mut self,
+        (pair, is_second): (&Pair, bool),
+        (way, quarters): (Way, i64),
+        directions: &mut Directions,
+        values: &mut [i32],
+    ) {
+        if let Some(plane) = &mut self.plane {
+            return plane.read((&self.segments, pair, is_second), quarters, directions, values);
+        }
+        let (behind, way) = way.behind(quarters);
+        let place = self.segments.in_table(self.place + pair.offset(is_second) - behind);
+        self.walk.go(place, way.ends(), self.surface.grid_points(), values.len());
+        kernel::read(self.surface.curvature(), &self.walk, values);
+    }
+
+    fn prepared(&self, ends: &Ends, reading: Reading, unit: f32) -> Tick {
         let (column, shares) = self.between(ends.alpha_m);
         if let Reading::Octave(octave) = reading {
             let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
@@ -184,10 +204,18 @@ impl<'k> Slope<'k> {
         // The mean belongs to no wave of the surface: path and slope would drift with it.
         let means = self.surface.mean_per_m();
         let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
-        let mean = shares.map(|share| mean(column) + share * (mean(column + 1) - mean(column)));
+        let mut mean = shares.map(|share| mean(column) + share * (mean(column + 1) - mean(column)));
+        if let Some(map) = self.surface.map() {
+            let waves = map.mean_waves_per_m();
+            let wave = |column: usize, weights| waves.get(column).map_or(0.0, |waves| wave_sum(waves, weights));
+            for ((mean, share), weights) in mean.iter_mut().zip(shares).zip(ends.heading.directions) {
+                *mean += wave(column, weights) + share * (wave(column + 1, weights) - wave(column, weights));
+            }
+        }
         let mean = 0.5 * metres * (from * mean[0] + to * mean[1]);
         let limited = Limited::new(&self.surface, ends.alpha_m, rise, mean);
-        if reading == Reading::Twice { Tick::Twice(limited) } else { Tick::Once(limited) }
+        let directions = directions(&ends.heading);
+        if reading == Reading::Twice { Tick::Twice(limited, directions) } else { Tick::Once(limited, directions) }
     }
 
     /// First of the two limits of the table between which limits lie, and the share of the second

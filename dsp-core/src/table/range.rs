@@ -148,6 +148,8 @@ pub const UNIT_M: Range = Range::new(1e-15, 1e-3);
 pub const SHORTEST_M: Range = Range::new(2e-7, 0.1);
 /// Least and largest number of heights of a surface.
 pub const HEIGHTS: [usize; 2] = [256, 32_768];
+/// Least number of points of a surface's grid in either direction.
+pub const GRID_POINTS: usize = 8;
 /// Largest number of bytes that a surface takes.
 pub const SURFACE_BYTES: usize = 65_536;
 /// Size of an object in metres, along its positions and across them.

@@ -13,15 +13,18 @@ use super::check::{
 use super::error::TableError;
 use super::frame::{head, optional_section, sections};
 use super::layout::{
-    GRID_MULTIPLE, GUARD, LIMITS, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord, SurfaceHeader, tag,
+    CURVATURES, GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord,
+    SurfaceHeader, tag,
 };
 use super::place::{Field, Place};
+use super::map::Map;
 use super::range::{self, Range};
 
 /// Surface of a [`Kit`].
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     header: &'a SurfaceHeader,
+    map: Option<&'a MapHeader>,
     heights: &'a [I16],
     curvature: &'a [I16],
     /// All octaves, one behind the other.
@@ -39,27 +42,43 @@ impl<'a> Surface<'a> {
     fn read(body: &'a [u8], index: usize) -> Result<Self, TableError> {
         let place = Place::Surface(index);
         let (header, rest) = head::<SurfaceHeader>(body, place)?;
+        let (map, rest) = if header.rows.get() > 1 {
+            let (map, rest) = head::<MapHeader>(rest, place)?;
+            (Some(map), rest)
+        } else {
+            (None, rest)
+        };
         let (points, grid) = (header.point_count.get() as usize, header.grid_count.get() as usize);
         let [least, most] = range::HEIGHTS;
         check_count(place, Field::Heights, points, least, most)?;
-        check_count(place, Field::Heights, grid, GRID_MULTIPLE, most)?;
+        let multiple = if map.is_some() { 1 } else { GRID_MULTIPLE };
+        check_count(place, Field::Heights, grid, multiple.max(range::GRID_POINTS), most)?;
+        let (curvatures, slopes) = match map {
+            None => (grid + GUARD, slope_count(grid)),
+            Some(map) => {
+                let rows = map.grid_rows.get() as usize;
+                check_count(place, Field::Rows, rows, range::GRID_POINTS, most)?;
+                check_count(place, Field::Heights, rows * grid, 1, most)?;
+                (CURVATURES * (grid + GUARD) * (rows + GUARD), 0)
+            }
+        };
         let texts = usize::from(header.source_bytes.get()) + usize::from(header.licence_bytes.get());
-        let numbers = points + grid + GUARD + slope_count(grid);
-        let expected = size_of::<SurfaceHeader>() + (2 * numbers + texts).next_multiple_of(4);
+        let heads = size_of::<SurfaceHeader>() + map.map_or(0, |_| size_of::<MapHeader>());
+        let expected = heads + (2 * (points + curvatures + slopes) + texts).next_multiple_of(4);
         let mismatch = TableError::LengthMismatch { place, expected, found: body.len() };
-        if body.len() != expected || !grid.is_multiple_of(GRID_MULTIPLE) {
+        if body.len() != expected || !grid.is_multiple_of(multiple) {
             return Err(mismatch);
         }
         let take = |rest: &'a [u8], count| <[I16]>::ref_from_prefix_with_elems(rest, count).map_err(|_| mismatch);
         let (heights, rest) = take(rest, points)?;
-        let (curvature, rest) = take(rest, grid + GUARD)?;
-        let (slopes, rest) = take(rest, slope_count(grid))?;
+        let (curvature, rest) = take(rest, curvatures)?;
+        let (slopes, rest) = take(rest, slopes)?;
         let (source, rest) = rest.split_at_checked(header.source_bytes.get().into()).ok_or(mismatch)?;
         let (licence, padding) = rest.split_at_checked(header.licence_bytes.get().into()).ok_or(mismatch)?;
         if padding.iter().any(|&byte| byte != 0) {
             return Err(TableError::NotZero { place, field: Field::Padding });
         }
-        Ok(Self { header, heights, curvature, slopes, source, licence })
+        Ok(Self { header, map, heights, curvature, slopes, source, licence })
     }
 
     fn check(&self, index: usize) -> Result<(), TableError> {
@@ -71,7 +90,11 @@ impl<'a> Surface<'a> {
         check_range(place, Field::ShortestM, self.shortest_m(), range::SHORTEST_M)?;
         let finest = Range::new(2.0 * self.step_m(), range::SHORTEST_M.max);
         check_range(place, Field::ShortestM, self.shortest_m(), finest)?;
-        check_count(place, Field::Rows, self.rows(), 1, 1)?;
+        check_count(place, Field::Rows, self.rows(), 1, self.heights.len() / 2)?;
+        if !self.heights.len().is_multiple_of(self.rows().max(1)) {
+            let (expected, found) = (self.heights.len().next_multiple_of(self.rows()), self.heights.len());
+            return Err(TableError::LengthMismatch { place, expected, found });
+        }
         // Curvature and slope are derived: any finite numbers above 0 in the limits' order will do.
         let header = self.header;
         let positive = Range::new(1e-30, 1e30);
@@ -79,9 +102,11 @@ impl<'a> Surface<'a> {
         for value in derived.iter().chain(&header.slope_unit).chain(&header.alpha_m) {
             check_range(place, Field::Surface, value.get(), positive)?;
         }
+        let waves = self.map.iter().flat_map(|map| map.mean_waves_per_m.iter().flatten());
         header
             .mean_per_m
             .iter()
+            .chain(waves)
             .try_for_each(|mean| check_range(place, Field::Surface, mean.get(), Range::new(-1e30, 1e30)))?;
         header
             .mix_gain
@@ -124,14 +149,23 @@ impl<'a> Surface<'a> {
         self.heights
     }
 
-    /// Distance of the grid's points in metres, on which curvature and slope are given.
+    /// Distance of the grid's points in metres, on which curvature and slope are given; of a map's
+    /// in a row.
     pub fn grid_step_m(&self) -> f32 {
-        self.step_m() * self.heights.len() as f32 / self.grid_points() as f32
+        self.step_m() * (self.heights.len() / self.rows().max(1)) as f32 / self.grid_points() as f32
     }
 
-    /// Number of the grid's points.
+    /// Number of the grid's points; of a map's in a row.
     pub fn grid_points(&self) -> usize {
         self.header.grid_count.get() as usize
+    }
+
+    /// Curvatures of a map; `None` for a profile.
+    pub fn map(&self) -> Option<Map<'a>> {
+        let header = self.map?;
+        let points = [self.grid_points(), header.grid_rows.get() as usize];
+        let row_step_m = self.step_m() * self.rows() as f32 / points[1] as f32;
+        Some(Map { header, points, row_step_m, coefficients: self.curvature })
     }
 
     /// Rms of the curvature, 1/m.
@@ -145,7 +179,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Coefficients of the curvature's spline, one for each point of the grid, with its
-    /// [`GUARD`].
+    /// [`GUARD`]; for a map see [`Map::coefficients`].
     pub fn curvature(&self) -> &'a [I16] {
         self.curvature
     }

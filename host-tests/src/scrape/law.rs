@@ -54,31 +54,19 @@ impl Law {
     /// Force in newtons at [`OVERSAMPLING`] times the rate: `m S'' v² + β1 |v S'|^β2`, smoothed as
     /// the contact says.
     pub fn force(&self, contact: &Contact<'_>, motions: &[Motion]) -> Vec<f64> {
-        let rate_hz = RATE.hz() * OVERSAMPLING as f64;
-        let mut rises = Vec::with_capacity(motions.len() * TICK_FRAMES * OVERSAMPLING);
-        let mut speeds = Vec::with_capacity(rises.capacity());
+        let mut curvatures = Vec::with_capacity(motions.len() * TICK_FRAMES * OVERSAMPLING);
+        let mut speeds = Vec::with_capacity(curvatures.capacity());
         let mut place = 0.0;
         for speed in speeds_of(motions) {
             for fine in 0..OVERSAMPLING {
                 let steps = speed / RATE.hz() / self.grid_step_m;
                 let now = place + steps * (fine as f64 + 0.5) / OVERSAMPLING as f64;
-                rises.push(self.faded(now) * speed);
+                curvatures.push(self.faded(now));
                 speeds.push(speed);
             }
             place += speed / RATE.hz() / self.grid_step_m;
         }
-        smooth(&mut rises, f64::from(contact.smoothing_s) * rate_hz * self.alpha_m / mean_alpha_m(contact));
-        let mut slope = 0.0;
-        let mass_kg = f64::from(contact.mass_kg);
-        let [gain, exponent] = contact.slope.map(f64::from);
-        rises
-            .iter()
-            .zip(&speeds)
-            .map(|(rise, speed)| {
-                slope += rise / rate_hz - slope * speed.abs() / rate_hz / (LEAK_POINTS * self.grid_step_m);
-                mass_kg * rise * speed + gain * (speed * slope).abs().powf(exponent)
-            })
-            .collect()
+        Path { curvatures, speeds, alpha_m: self.alpha_m, grid_step_m: self.grid_step_m }.force(contact)
     }
 
     /// `S''` at a place of the path in points of the grid.
@@ -111,6 +99,31 @@ impl Law {
         }
         smooth(&mut rises, f64::from(contact.smoothing_s) * RATE.hz() * self.alpha_m / mean_alpha_m(contact));
         rises.iter().zip(&speeds).map(|(rise, speed)| f64::from(contact.mass_kg) * rise * speed).collect()
+    }
+}
+
+/// Path at [`OVERSAMPLING`] times the rate: its limited curvature `S''`, 1/m, and its speed in m/s.
+pub(super) struct Path {
+    pub(super) curvatures: Vec<f64>,
+    pub(super) speeds: Vec<f64>,
+    pub(super) alpha_m: f64,
+    pub(super) grid_step_m: f64,
+}
+
+impl Path {
+    /// Force in newtons, smoothed as the contact says.
+    pub(super) fn force(self, contact: &Contact<'_>) -> Vec<f64> {
+        let rate_hz = RATE.hz() * OVERSAMPLING as f64;
+        let mut rises: Vec<f64> = self.curvatures.iter().zip(&self.speeds).map(|(x, speed)| x * speed).collect();
+        smooth(&mut rises, f64::from(contact.smoothing_s) * rate_hz * self.alpha_m / mean_alpha_m(contact));
+        let mut slope = 0.0;
+        let mass_kg = f64::from(contact.mass_kg);
+        let [gain, exponent] = contact.slope.map(f64::from);
+        let force = |(rise, speed): (f64, f64)| {
+            slope += rise / rate_hz - slope * speed.abs() / rate_hz / (LEAK_POINTS * self.grid_step_m);
+            mass_kg * rise * speed + gain * (speed * slope).abs().powf(exponent)
+        };
+        rises.into_iter().zip(self.speeds).map(force).collect()
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod bands;
 pub mod law;
+pub mod map;
 pub mod on_chip;
 
 use dsp_core::SampleRate;
@@ -28,6 +29,17 @@ impl Scrapes {
     /// Reads the kit.
     pub fn new() -> Self {
         Self(kit::shipped("scrapes").expect("a shipped kit").expect("a right kit"))
+    }
+
+    /// The kit with a map on the object of a pad in place of its surface.
+    pub fn with_map(pad: &str, map: kit::Surface) -> Self {
+        let mut loaded = kit::shipped("scrapes").expect("a shipped kit").expect("a right kit");
+        let object = loaded.kit.pads.iter().find(|candidate| candidate.name == pad).expect("a pad").object.clone();
+        let object = loaded.kit.objects.iter_mut().find(|candidate| candidate.name == object).expect("an object");
+        object.surface.as_mut().expect("a surface").surface = map.name.clone();
+        loaded.kit.surfaces.push(map);
+        loaded.binary = kit::binary::build(&loaded.kit).expect("a right kit");
+        Self(loaded)
     }
 
     /// Kit of one pad alone, as the board reads it, with the number of a striker.

@@ -2,6 +2,7 @@
 //! the law itself.
 
 mod law;
+mod maps;
 mod paths;
 mod rolling;
 mod stability;

@@ -3,6 +3,7 @@
 mod build;
 mod builder;
 mod filters;
+mod map;
 mod noise;
 mod read;
 mod slopes;

@@ -5,14 +5,15 @@
 //! `tanh(α z'')/α`, which is taken on a grid 32 times as fine, so that the limit's harmonics fold
 //! back 60 dB lower at least; then each octave keeps the waves that its points can hold.
 
-use dsp_core::table::layout::{GRID_MULTIPLE, GUARD, LIMITS, OCTAVES};
+use dsp_core::table::layout::{GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES};
 use fourier::Complex;
 
+use super::map;
 use crate::error::KitError;
 use crate::surface::Surface;
 
 /// Points of the grid in a shortest wave.
-const POINTS_A_WAVE: f64 = 2.75;
+pub(super) const POINTS_A_WAVE: f64 = 2.75;
 /// Points of the fine grid for each of the grid.
 const OVERSAMPLING: usize = 32;
 /// Highest frequency of an octave in cycles a point, and the share of it from which on waves fade.
@@ -20,8 +21,8 @@ const EDGE: f64 = 0.45;
 const FADE_FROM: f64 = 0.85;
 
 /// Tables that are derived from a surface's heights.
-pub(super) struct Slopes {
-    /// Number of the grid's points.
+pub(super) struct Tables {
+    /// Number of the grid's points; of a map's in a row.
     pub(super) grid: usize,
     pub(super) curvature_rms_per_m: f64,
     pub(super) curvature_unit_per_m: f64,
@@ -32,15 +33,20 @@ pub(super) struct Slopes {
     pub(super) mix_gain: [f64; LIMITS - 1],
     /// Slopes of each octave, those of all limits at each point.
     pub(super) octaves: Vec<Vec<i16>>,
+    /// Second head of a map.
+    pub(super) map: Option<MapHeader>,
 }
 
-impl Slopes {
+impl Tables {
     /// Derives the tables; `limits_m` gives the limits for an rms curvature. `None` for a flat
     /// surface.
     pub(super) fn new(
         surface: &Surface,
         limits_m: impl FnOnce(f64) -> Result<[f64; 2], KitError>,
     ) -> Result<Option<Self>, KitError> {
+        if surface.rows > 1 {
+            return map::tables(surface, limits_m);
+        }
         let points = surface.heights.len();
         let length_m = points as f64 * f64::from(surface.step_m);
         let grid = (POINTS_A_WAVE * length_m / f64::from(surface.shortest_m)).ceil() as usize;
@@ -59,7 +65,7 @@ impl Slopes {
         let alpha_m = [least_m, (least_m * most_m).sqrt(), most_m];
         let (curvature, curvature_unit_per_m) = quantized(&guarded(spline(&spectrum, grid)));
         let fine = values(&spectrum, grid * OVERSAMPLING);
-        let mut slopes = Self {
+        let mut tables = Self {
             grid,
             curvature_rms_per_m,
             curvature_unit_per_m,
@@ -69,10 +75,11 @@ impl Slopes {
             mean_per_m: [0.0; LIMITS],
             mix_gain: [0, 1].map(|limit| mix_gain(&fine, [alpha_m[limit], alpha_m[limit + 1]])),
             octaves: (0..OCTAVES).map(|octave| vec![0; ((grid >> octave) + GUARD) * LIMITS]).collect(),
+            map: None,
         };
         for (limit, alpha) in alpha_m.into_iter().enumerate() {
             let mut limited = bins(limited(&fine, alpha));
-            slopes.mean_per_m[limit] = limited.first().map_or(0.0, |mean| mean.re);
+            tables.mean_per_m[limit] = limited.first().map_or(0.0, |mean| mean.re);
             for (bin, value) in limited.iter_mut().enumerate() {
                 // The integral, but for the mean, whose integral is a ramp.
                 let wave = std::f64::consts::TAU * bin as f64 / length_m;
@@ -86,21 +93,24 @@ impl Slopes {
             let octaves: Vec<Vec<f64>> = octaves.collect();
             let largest = octaves.iter().flatten().fold(0.0_f64, |largest, value| largest.max(value.abs()));
             let unit = (largest / f64::from(i16::MAX)).max(f64::MIN_POSITIVE);
-            slopes.slope_unit[limit] = f64::from(unit as f32).max(1e-30);
-            for (table, values) in slopes.octaves.iter_mut().zip(&octaves) {
+            tables.slope_unit[limit] = f64::from(unit as f32).max(1e-30);
+            for (table, values) in tables.octaves.iter_mut().zip(&octaves) {
                 for (number, value) in table.iter_mut().skip(limit).step_by(LIMITS).zip(values) {
-                    *number = (value / slopes.slope_unit[limit]).round() as i16;
+                    *number = (value / tables.slope_unit[limit]).round() as i16;
                 }
             }
         }
-        Ok(Some(slopes))
+        Ok(Some(tables))
     }
 }
 
 impl Surface {
-    /// Largest curvature of the surface in either direction, 1/m; between heights it is taken at
-    /// three places.
+    /// Largest curvature of the surface in any direction, 1/m; between heights it is taken at three
+    /// places, in a map at one.
     pub fn largest_curvature_per_m(&self) -> f64 {
+        if self.rows > 1 {
+            return map::largest_curvature_per_m(self);
+        }
         let heights = self.heights.iter().map(|&height| f64::from(height) * f64::from(self.unit_m)).collect();
         let spectrum = curvatures(heights, self.heights.len() as f64 * f64::from(self.step_m));
         values(&spectrum, 4 * self.heights.len())
@@ -135,7 +145,7 @@ fn share(bin: usize, points: usize) -> f64 {
 }
 
 /// Complex amplitudes of a periodic signal, from the mean up.
-fn bins(mut samples: Vec<f64>) -> Vec<Complex<f64>> {
+pub(super) fn bins(mut samples: Vec<f64>) -> Vec<Complex<f64>> {
     let transform = fourier::forward(samples.len());
     let mut bins = transform.make_output_vec();
     let scale = 1.0 / samples.len() as f64;
@@ -158,7 +168,7 @@ fn curvatures(heights: Vec<f64>, length_m: f64) -> Vec<Complex<f64>> {
 }
 
 /// Samples of a periodic signal at a number of points; waves that they cannot hold are left out.
-fn values(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
+pub(super) fn values(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
     let transform = fourier::inverse(points);
     let mut input = transform.make_input_vec();
     let last = points / 2;
@@ -175,7 +185,7 @@ fn values(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
 
 /// Coefficients of the cubic spline that has the signal's amplitudes: the spline's own response,
 /// sinc^4, is taken out.
-fn spline(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
+pub(super) fn spline(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
     let response = |bin: usize| {
         let x = std::f64::consts::PI * bin as f64 / points as f64;
         if bin == 0 { 1.0 } else { (x.sin() / x).powi(4) }
@@ -187,14 +197,14 @@ fn spline(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
 
 /// Periodic coefficients with their guard: the last one before the first, and the first two behind
 /// the last.
-fn guarded(coefficients: Vec<f64>) -> Vec<f64> {
+pub(super) fn guarded(coefficients: Vec<f64>) -> Vec<f64> {
     let last = coefficients.last().copied();
     let first = coefficients.clone();
     last.into_iter().chain(coefficients).chain(first.into_iter().take(GUARD - 1)).collect()
 }
 
 /// Numbers as 16-bit integers, and the value of one unit.
-fn quantized(values: &[f64]) -> (Vec<i16>, f64) {
+pub(super) fn quantized(values: &[f64]) -> (Vec<i16>, f64) {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let unit = f64::from((largest / f64::from(i16::MAX)) as f32);
     (values.iter().map(|value| (value / unit).round() as i16).collect(), unit)

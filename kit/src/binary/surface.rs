@@ -6,7 +6,7 @@ use zerocopy::IntoBytes;
 use zerocopy::byteorder::little_endian::{F32, I16, U16, U32};
 
 use super::builder::{Build, append};
-use super::slopes::Slopes;
+use super::slopes::Tables;
 use crate::content::{Object, Striker};
 use crate::error::{Fault, KitError};
 use crate::surface::{ObjectSurface, Roll, Scrape, Surface};
@@ -17,9 +17,13 @@ impl Build<'_> {
         let place = Place::Surface(index);
         let [least, most] = range::HEIGHTS;
         self.count(place, Field::Heights, surface.heights.len(), least, most)?;
-        self.count(place, Field::Rows, surface.rows, 1, 1)?;
-        let slopes = Slopes::new(surface, |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m));
-        let Some(slopes) = slopes? else { return Err(self.fault(place, Fault::Flat)) };
+        self.count(place, Field::Rows, surface.rows, 1, surface.heights.len() / 2)?;
+        if !surface.heights.len().is_multiple_of(surface.rows) {
+            let fault = Fault::Uneven { heights: surface.heights.len(), rows: surface.rows };
+            return Err(self.fault(place, fault));
+        }
+        let tables = Tables::new(surface, |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m));
+        let Some(tables) = tables? else { return Err(self.fault(place, Fault::Flat)) };
         let size = |length: usize| U32::new(length as u32);
         let header = SurfaceHeader {
             name: self.name(place, &surface.name)?,
@@ -27,20 +31,21 @@ impl Build<'_> {
             unit_m: F32::new(surface.unit_m),
             shortest_m: F32::new(surface.shortest_m),
             point_count: size(surface.heights.len()),
-            grid_count: size(slopes.grid),
-            curvature_rms_per_m: F32::new(slopes.curvature_rms_per_m as f32),
-            curvature_unit_per_m: F32::new(slopes.curvature_unit_per_m as f32),
-            alpha_m: slopes.alpha_m.map(|alpha_m| F32::new(alpha_m as f32)),
-            slope_unit: slopes.slope_unit.map(|unit| F32::new(unit as f32)),
-            mix_gain: slopes.mix_gain.map(|gain| F32::new(gain as f32)),
-            mean_per_m: slopes.mean_per_m.map(|mean| F32::new(mean as f32)),
+            grid_count: size(tables.grid),
+            curvature_rms_per_m: F32::new(tables.curvature_rms_per_m as f32),
+            curvature_unit_per_m: F32::new(tables.curvature_unit_per_m as f32),
+            alpha_m: tables.alpha_m.map(|alpha_m| F32::new(alpha_m as f32)),
+            slope_unit: tables.slope_unit.map(|unit| F32::new(unit as f32)),
+            mix_gain: tables.mix_gain.map(|gain| F32::new(gain as f32)),
+            mean_per_m: tables.mean_per_m.map(|mean| F32::new(mean as f32)),
             rows: U16::new(surface.rows as u16),
             source_bytes: self.text_bytes(place, "bytes of source", &surface.source)?,
             licence_bytes: self.text_bytes(place, "bytes of licence", &surface.licence)?,
             reserved: U16::ZERO,
         };
         let mut section = header.as_bytes().to_vec();
-        let numbers = surface.heights.iter().chain(&slopes.curvature).chain(slopes.octaves.iter().flatten());
+        tables.map.iter().for_each(|map| append(&mut section, map));
+        let numbers = surface.heights.iter().chain(&tables.curvature).chain(tables.octaves.iter().flatten());
         numbers.for_each(|&number| append(&mut section, &I16::new(number)));
         if section.len() > range::SURFACE_BYTES {
             let fault = Fault::TooLarge {

@@ -14,6 +14,7 @@
 //! ```
 
 mod path;
+mod plane;
 mod roll;
 mod scraper;
 mod slope;
@@ -24,7 +25,7 @@ pub use path::{InTable, POINT, Segments};
 pub use roll::Rolling;
 pub use scraper::{Contact, LEAK_POINTS, Motion, Scraper};
 pub use slope::fade_curve;
-pub use surface::Surface;
+pub use surface::{Map, Surface};
 
 /// Frames of a tick, over which speed and limit go in a straight line.
 pub const TICK_FRAMES: usize = 32;

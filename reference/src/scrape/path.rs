@@ -29,6 +29,8 @@ pub struct Segments {
 pub struct InTable {
     /// Offsets to places in the surface, in this segment and in the next.
     pub offsets: [i64; 2],
+    /// Number of this segment.
+    pub segment: i64,
     /// Weight of the next segment, 0 to 1, if it has begun.
     pub fade: Option<f64>,
 }
@@ -46,12 +48,22 @@ impl Segments {
         let within = place.rem_euclid(self.length);
         let begin = self.length - self.length / FADED;
         let fade = (within >= begin).then(|| (within - begin) as f64 / (self.length / FADED) as f64);
-        InTable { offsets: [self.offset(segment), self.offset(segment + 1)], fade }
+        InTable { offsets: [self.offset(segment), self.offset(segment + 1)], segment, fade }
     }
 
     fn offset(&self, segment: i64) -> i64 {
-        let first = (u64::from(spread(segment as u32, self.seed)) * u64::from(self.points)) >> 32;
-        (first as i64) * POINT - segment * self.length
+        point_of(self.random(segment), self.points) - segment * self.length
+    }
+
+    fn random(&self, segment: i64) -> u32 {
+        spread((segment as u32).wrapping_add(self.seed))
+    }
+
+    /// Offset from a place in the plane to a segment's place in a map with a number of columns and
+    /// rows.
+    pub fn offset_in_map(&self, segment: i64, points: [usize; 2]) -> [i64; 2] {
+        let random = self.random(segment);
+        [point_of(random, points[0] as u32), point_of(spread(random), points[1] as u32)]
     }
 
     /// Place on the surface in points.
@@ -60,9 +72,14 @@ impl Segments {
     }
 }
 
+/// Point of a table for a random number.
+fn point_of(random: u32, points: u32) -> i64 {
+    ((u64::from(random) * u64::from(points)) >> 32) as i64 * POINT
+}
+
 /// Number whose bits are spread by the finalizer of MurmurHash3 (Appleby, public domain).
-fn spread(number: u32, seed: u32) -> u32 {
-    let mut x = number.wrapping_add(seed);
+fn spread(number: u32) -> u32 {
+    let mut x = number;
     x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
     x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
     x ^ (x >> 16)

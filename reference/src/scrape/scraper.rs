@@ -1,6 +1,7 @@
 //! Force of one contact that goes on: eq. 1 to 7, and that of a ball with it (eq. 19).
 
 use super::roll::{Roll, Rolling};
+use super::plane::{Heading, weights_of};
 use super::slope::{Reading, Slope};
 use super::smoothing::{Smoothing, rounded};
 use super::surface::Surface;
@@ -56,6 +57,7 @@ pub struct Scraper {
     /// Speed at the end of the tick before the last.
     earlier: f32,
     heading: [f32; 2],
+    velocity: [f32; 2],
     is_backwards: bool,
     speed: f32,
     alpha_m: Option<f64>,
@@ -76,6 +78,7 @@ impl Scraper {
             earlier: 0.0,
             smoothing,
             heading: [0.0; 2],
+            velocity: [0.0; 2],
             is_backwards: false,
             speed: 0.0,
             alpha_m: None,
@@ -95,6 +98,7 @@ impl Scraper {
     /// Goes on to a motion over a tick, and gives the force in newtons in each frame.
     pub fn render(&mut self, motion: Motion) -> [f64; TICK_FRAMES] {
         let before = self.speed;
+        let before_heading = self.heading;
         self.speed = self.signed_speed(motion);
         let is_lifted = motion.normal_n <= 0.0;
         let is_resting = self.speed == 0.0 && before == 0.0;
@@ -105,8 +109,11 @@ impl Scraper {
         // The points a frame are rounded as in the instrument: see the path's places.
         let frame = 1.0 / (self.contact.surface.grid_step_m as f32 * self.rate.hz() as f32);
         let points = [before * frame, self.speed * frame];
-        let reading = Reading::of(points[0].abs().max(points[1].abs()));
-        let rises = self.slope.render(points, [from_m, limit_m], reading);
+        let map = self.contact.surface.map.as_ref();
+        let reading = Reading::of(points[0].abs().max(points[1].abs()), map.is_some());
+        let across = map.map_or(1.0, |map| 1.0 / (map.row_step_m as f32 * self.rate.hz() as f32));
+        let heading = self.heading_over_tick(before_heading, motion, [frame, across]);
+        let rises = self.slope.render((points, &heading), [from_m, limit_m], reading);
         let mean_m = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
         let deviation = self.contact.smoothing_s * 0.5 * (from_m + limit_m) / mean_m * self.rate.hz();
         let rises = self.smoothing.render(rounded(deviation), reading.variance(), rises);
@@ -132,6 +139,18 @@ impl Scraper {
             let rolled = self.roll.as_mut().map_or(0.0, |roll| roll.force_n(speed, self.path_slope, leak, frame_s));
             (vertical + horizontal + rolled) * gates[frame]
         })
+    }
+
+    /// Motion over the plane from the last motion to this one, with the points a frame of a speed of
+    /// 1 m/s. Rest has the direction of the motion before.
+    fn heading_over_tick(&mut self, before: [f32; 2], motion: Motion, [along, across]: [f32; 2]) -> Heading {
+        let (from, to) = (self.velocity, motion.velocity_m_per_s);
+        self.velocity = to;
+        let before = if before == [0.0; 2] { self.heading } else { before };
+        Heading {
+            points: [[from[0] * along, to[0] * along], [from[1] * across, to[1] * across]],
+            directions: [weights_of(before), weights_of(self.heading)],
+        }
     }
 
     /// Speed along the path: positive until the motion turns back on itself.

@@ -5,6 +5,7 @@
 //! points lie about a frame apart.
 
 use super::path::{POINT, Segments};
+use super::plane::{Heading, Tick};
 use super::surface::Surface;
 use super::{TICK_FRAMES, ramp};
 
@@ -21,11 +22,11 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Way for a tick whose largest speed is given in points a frame.
-    pub(super) fn of(points: f32) -> Self {
+    /// Way for a tick whose largest speed is given in points a frame, on a map or a profile.
+    pub(super) fn of(points: f32, is_map: bool) -> Self {
         if points <= ONCE_POINTS {
             Self::Once
-        } else if points <= TWICE_POINTS {
+        } else if points <= TWICE_POINTS || is_map {
             Self::Twice
         } else {
             Self::Octave(((points * (1.0 / TWICE_POINTS)).log2() as usize).min(6))
@@ -48,16 +49,24 @@ pub(super) struct Slope {
     surface: Surface,
     segments: Segments,
     place: i64,
+    plane: [i64; 2],
 }
 
 impl Slope {
     pub(super) fn new(surface: Surface, seed: u32) -> Self {
-        let segments = Segments::new(surface.curvature.len() as u32, seed);
-        Self { surface, segments, place: 0 }
+        let points = surface.map.as_ref().map_or(surface.curvature.len(), |map| map.points[0].min(map.points[1]));
+        let segments = Segments::new(points as u32, seed);
+        Self { surface, segments, place: 0, plane: [0; 2] }
     }
 
     /// Goes on over a tick, with speeds in points a frame and limits in metres at its ends.
-    pub(super) fn render(&mut self, points: [f32; 2], alpha_m: [f64; 2], reading: Reading) -> [f64; TICK_FRAMES] {
+    pub(super) fn render(
+        &mut self,
+        (points, heading): ([f32; 2], &Heading),
+        alpha_m: [f64; 2],
+        reading: Reading,
+    ) -> [f64; TICK_FRAMES] {
+        let mut plane = Tick::new(heading);
         let [from, to] = points.map(|points| (points * POINT as f32) as i64);
         let step = (to - from) / TICK_FRAMES as i64;
         // Each frame goes on by its mean speed.
@@ -76,7 +85,11 @@ impl Slope {
         let other: Vec<f64> = ramp(weights[0][1], weights[1][1]).collect();
         let mean = |end: usize| {
             let means = &self.surface.mean_per_m;
-            let mean = means[column] + share(alpha_m[end]) * (means[column + 1] - means[column]);
+            let at = |column: usize| {
+                let waves = self.surface.map.as_ref().map(|map| map.mean_at(column, heading.directions[end]));
+                means[column] + waves.unwrap_or(0.0)
+            };
+            let mean = at(column) + share(alpha_m[end]) * (at(column + 1) - at(column));
             f64::from(points[end]) * metres * mean
         };
         // One for the tick.
@@ -86,10 +99,22 @@ impl Slope {
             let begin = self.place;
             self.place += speed;
             let at = self.segments.at(begin + (speed >> 1));
-            let limited = |offset: i64, part: i64| {
-                let place = self.segments.in_table(begin + part + offset);
+            let in_plane = self.plane;
+            self.plane = plane.go_on(in_plane);
+            // A place some quarters of the frame behind its begin, in this segment or the next.
+            let limited = |next: usize, quarters: i64| {
+                let curvature = match &self.surface.map {
+                    Some(map) => {
+                        let segment = (&self.segments, at.segment + next as i64);
+                        plane.curvature(map, segment, (in_plane, quarters, frame))
+                    }
+                    None => {
+                        let part = speed - ((speed * (4 - quarters)) >> 2);
+                        self.surface.curvature_at(self.segments.in_table(begin + part + at.offsets[next]))
+                    }
+                };
                 // The mean belongs to no wave of the surface: path and slope would drift with it.
-                (limits[frame] * self.surface.curvature_at(place)).tanh() * largest[frame] - mean
+                (limits[frame] * curvature).tanh() * largest[frame] - mean
             };
             let risen = |offset: i64, octave: usize| {
                 let difference = |limit| {
@@ -98,13 +123,13 @@ impl Slope {
                 };
                 own[frame] * difference(column) + other[frame] * difference(column + 1)
             };
-            let read = |offset: i64| match reading {
-                Reading::Once => limited(offset, speed >> 1),
-                Reading::Twice => 0.5 * (limited(offset, speed >> 2) + limited(offset, speed - (speed >> 2))),
-                Reading::Octave(octave) => risen(offset, octave),
+            let read = |next: usize| match reading {
+                Reading::Once => limited(next, 2),
+                Reading::Twice => 0.5 * (limited(next, 1) + limited(next, 3)),
+                Reading::Octave(octave) => risen(at.offsets[next], octave),
             };
-            let own = read(at.offsets[0]);
-            at.fade.map_or(own, |weight| own * fade_curve(1.0 - weight) + read(at.offsets[1]) * fade_curve(weight))
+            let own = read(0);
+            at.fade.map_or(own, |weight| own * fade_curve(1.0 - weight) + read(1) * fade_curve(weight))
         })
     }
 }

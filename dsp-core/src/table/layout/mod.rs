@@ -11,7 +11,8 @@ use zerocopy::byteorder::little_endian::{F32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 pub use surface::{
-    GRID_MULTIPLE, GUARD, LIMITS, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord, SurfaceHeader,
+    CURVATURES, GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord,
+    SurfaceHeader,
 };
 
 /// First four bytes of a kit.

@@ -15,10 +15,17 @@ pub const GUARD: usize = 3;
 /// Points of the grid are a multiple of this, so that each octave has a whole number.
 pub const GRID_MULTIPLE: usize = 1 << (OCTAVES - 1);
 
+/// Number of a map's curvatures: `z_xx`, `2 z_xy` and `z_yy`.
+pub const CURVATURES: usize = 3;
+
 /// Head of a `surf` section. Behind it stand `point_count` heights, `grid_count` coefficients of
 /// the curvature's spline, then for each octave the coefficients of the slope's splines, those of
 /// all limits at the first point, then at the second ..., all as 16-bit integers; then source and
 /// licence as UTF-8, and zeros up to a multiple of 4.
+///
+/// A map, `rows` above 1, has a [`MapHeader`] next to the head. Behind its heights stand the
+/// coefficients of its [`CURVATURES`], one map behind the other, each row by row with guards in
+/// both directions; it has no slopes.
 #[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[repr(C)]
 pub struct SurfaceHeader {
@@ -32,7 +39,7 @@ pub struct SurfaceHeader {
     pub shortest_m: F32,
     /// Number of heights.
     pub point_count: U32,
-    /// Number of points of the grid on which curvature and slope are given.
+    /// Number of points of the grid on which curvature and slope are given; of a map's in a row.
     pub grid_count: U32,
     /// Rms of the curvature, 1/m.
     pub curvature_rms_per_m: F32,
@@ -40,7 +47,7 @@ pub struct SurfaceHeader {
     pub curvature_unit_per_m: F32,
     /// Limits α in metres, rising.
     pub alpha_m: [F32; LIMITS],
-    /// Slope of one unit at each limit.
+    /// Slope of one unit at each limit; 1 for a map.
     pub slope_unit: [F32; LIMITS],
     /// Mean of the limited curvature at each limit, 1/m, which the slope leaves out.
     pub mean_per_m: [F32; LIMITS],
@@ -55,6 +62,17 @@ pub struct SurfaceHeader {
     pub licence_bytes: U16,
     /// Reserved; must be 0.
     pub reserved: U16,
+}
+
+/// Second head of a map.
+#[derive(Clone, Copy, Debug, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct MapHeader {
+    /// Number of the grid's rows.
+    pub grid_rows: U32,
+    /// Mean of the limited curvature at each limit over the direction θ: factors of cos 2θ,
+    /// sin 2θ, cos 4θ, sin 4θ, cos 6θ and sin 6θ, 1/m. They come on top of the head's mean.
+    pub mean_waves_per_m: [[F32; 6]; LIMITS],
 }
 
 /// Element of the `osur` section: the surface of an object.

@@ -2,7 +2,7 @@
 
 use dsp_core::scrape::Contact;
 use dsp_core::table::Surface;
-use dsp_core::table::layout::{LIMITS, OCTAVES};
+use dsp_core::table::layout::{GUARD, LIMITS, OCTAVES};
 
 /// The reference's contact with the numbers of the instrument's.
 pub fn contact(contact: &Contact<'_>) -> reference::scrape::Contact {
@@ -28,7 +28,22 @@ pub fn contact(contact: &Contact<'_>) -> reference::scrape::Contact {
 /// The reference's surface with the numbers of a kit's.
 fn surface(surface: &Surface<'_>) -> reference::scrape::Surface {
     let unit = f64::from(surface.curvature_unit_per_m());
-    let points = surface.grid_points();
+    let map = surface.map().map(|map| {
+        let [columns, rows] = map.points();
+        let width = columns + GUARD;
+        let curvature = |index: usize| {
+            // Behind the first row and column of the guard.
+            let lines = map.coefficients().chunks_exact(width).skip(index * (rows + GUARD) + 1).take(rows);
+            lines.flat_map(|line| &line[1..=columns]).map(|n| f64::from(n.get()) * unit).collect()
+        };
+        reference::scrape::Map {
+            points: [columns, rows],
+            row_step_m: map.row_step_m().into(),
+            curvatures: [0, 1, 2].map(curvature),
+            mean_waves_per_m: map.mean_waves_per_m().map(|limit| limit.map(f64::from)),
+        }
+    });
+    let points = if map.is_some() { 0 } else { surface.grid_points() };
     let slope_unit = surface.slope_unit().map(f64::from);
     let slopes = |octave| {
         // Behind the first one of the guard.
@@ -50,6 +65,7 @@ fn surface(surface: &Surface<'_>) -> reference::scrape::Surface {
         alpha_m: surface.alpha_m().map(f64::from),
         mean_per_m: surface.mean_per_m().map(f64::from),
         mix_gain: surface.mix_gain().map(f64::from),
+        map,
         slopes: (0..OCTAVES).map(slopes).collect(),
     }
 }

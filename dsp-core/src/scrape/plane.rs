@@ -1,0 +1,100 @@
+//! Place of a contact on a map, and the direction in which it moves.
+
+use super::kernel::{self, Directions};
+use super::path::{Pair, Segments, Steps, in_table};
+use super::ramp::{Ramp, fixed_from};
+use super::walk::Walk;
+use super::way::Way;
+use crate::table::layout::CURVATURES;
+use crate::table::{Map, Surface};
+
+/// Motion over the plane at the ends of a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Heading {
+    /// Velocity along the rows, and across them, at both ends, points of the grid a frame.
+    pub(super) points: [[f32; 2]; 2],
+    /// Weights c², c s and s² of the direction (c, s) at the ends.
+    pub(super) directions: [[f32; CURVATURES]; 2],
+}
+
+/// Weights c², c s and s² of the direction of a velocity.
+pub(super) fn weights_of([x, y]: [f32; 2]) -> [f32; CURVATURES] {
+    let square = x * x + y * y;
+    if square > 0.0 { [x * x / square, x * y / square, y * y / square] } else { [1.0, 0.0, 0.0] }
+}
+
+/// Reader of a map along a path.
+#[derive(Clone, Debug)]
+pub(super) struct Plane<'k> {
+    map: Map<'k>,
+    points: [u32; 2],
+    /// Place along the rows and across them, within the map.
+    place: [Steps; 2],
+    ways: [Way; 2],
+    walks: [Walk; 2],
+}
+
+impl<'k> Plane<'k> {
+    /// Reads the map of a surface from its first point on; `None` for a profile.
+    pub(super) fn new(surface: &Surface<'k>) -> Option<Self> {
+        let map = surface.map()?;
+        let points = map.points().map(|points| points as u32);
+        Some(Self { map, points, place: [0; 2], ways: [Way::default(); 2], walks: [const { Walk::new() }; 2] })
+    }
+
+    /// Number of points of the shorter side.
+    pub(super) fn shorter(&self) -> u32 {
+        let [columns, rows] = self.points;
+        columns.min(rows)
+    }
+
+    /// Begins a tick.
+    pub(super) fn begin(&mut self, heading: &Heading) {
+        self.ways = heading.points.map(Way::new);
+    }
+
+    /// Goes on by a number of frames.
+    pub(super) fn go_on(&mut self, frames: usize) {
+        for ((place, way), points) in self.place.iter_mut().zip(&mut self.ways).zip(self.points) {
+            *place = in_table(*place + way.go_on(frames), points);
+        }
+    }
+
+    /// Curvatures of the next frames in one of two segments, read after some quarters of each
+    /// frame.
+    pub(super) fn read(
+        &mut self,
+        (segments, pair, is_second): (&Segments, &Pair, bool),
+        quarters: i64,
+        directions: &mut Directions,
+        values: &mut [i32],
+    ) {
+        let offsets = segments.offset_in_map(pair.second - i64::from(!is_second), self.points);
+        let axes = self.walks.iter_mut().zip(self.ways).zip(self.place).zip(offsets).zip(self.points);
+        for ((((walk, way), place), offset), points) in axes {
+            let (behind, way) = way.behind(quarters);
+            walk.go(in_table(place + offset - behind, points), way.ends(), points as usize, values.len());
+        }
+        let [x, y] = &self.walks;
+        kernel::read_map(&self.map, [x, y], directions, values);
+    }
+}
+
+/// Weights of a tick from those at its ends.
+pub(super) fn directions(heading: &Heading) -> Directions {
+    let [from, to] = heading.directions.map(|weights| weights.map(|weight| fixed_from(weight, 30)));
+    let mut directions = [Ramp::default(); CURVATURES];
+    for ((ramp, from), to) in directions.iter_mut().zip(from).zip(to) {
+        *ramp = Ramp::new([from, to]);
+    }
+    directions
+}
+
+/// Value at each end of a tick of waves over the direction: cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ
+/// and sin 6θ with their factors.
+pub(super) fn wave_sum(waves: &[f32; 6], [c_square, c_s, s_square]: [f32; CURVATURES]) -> f32 {
+    let [c2, s2] = [c_square - s_square, 2.0 * c_s];
+    let [c4, s4] = [c2 * c2 - s2 * s2, 2.0 * c2 * s2];
+    let [c6, s6] = [c4 * c2 - s4 * s2, s4 * c2 + c4 * s2];
+    waves.iter().zip([c2, s2, c4, s4, c6, s6]).fold(0.0, |sum, (factor, wave)| sum + factor * wave)
+}

@@ -1,0 +1,50 @@
+//! Way of a contact along an axis over a tick.
+
+use super::path::Steps;
+use super::ramp::power_of_two;
+use crate::time::TICK_FRAMES;
+
+/// Way whose speed changes linearly: in each frame the speed grows by the step, then the place by
+/// the speed, all Q32 points.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Way {
+    /// Speed before the next frame.
+    pub(super) speed: i64,
+    /// Growth of the speed.
+    pub(super) step: i64,
+}
+
+impl Way {
+    /// Way between speeds at a tick's ends, points a frame. Each frame goes on by its mean speed,
+    /// so that there and back end where they began.
+    pub(super) fn new(ends: [f32; 2]) -> Self {
+        let [from, to] = ends.map(|points| (points * power_of_two(32)) as i64);
+        let step = (to - from) / TICK_FRAMES as i64;
+        Self { speed: from - (step >> 1), step }
+    }
+
+    /// Sizes of the speeds at a tick's ends.
+    pub(super) fn limits(ends: [f32; 2]) -> [i64; 2] {
+        ends.map(|points| (points * power_of_two(32)) as i64).map(i64::abs)
+    }
+
+    /// Goes on by a number of frames, and gives how far the place has come.
+    pub(super) const fn go_on(&mut self, frames: usize) -> Steps {
+        let frames = frames as i64;
+        let far = self.speed * frames + self.step * ((frames * (frames + 1)) >> 1);
+        self.speed += self.step * frames;
+        far
+    }
+
+    /// How far behind the begin of a frame its place is when it is to be read after some quarters
+    /// of the frame, and the way from there.
+    pub(super) const fn behind(self, quarters: i64) -> (Steps, Self) {
+        let rest = 4 - quarters;
+        ((self.speed * rest) >> 2, Self { speed: self.speed - ((self.step * rest) >> 2), step: self.step })
+    }
+
+    /// Speeds and steps for [`Walk::go`](super::walk::Walk::go).
+    pub(super) const fn ends(self) -> [i64; 2] {
+        [self.speed, self.step]
+    }
+}
