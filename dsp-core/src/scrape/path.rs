@@ -43,9 +43,19 @@ impl Segments {
     /// Cuts a path over a table of `points` points into segments: at most a third of the table, so
     /// that two of them seldom overlap.
     pub(super) const fn new(points: u32, seed: u32) -> Self {
-        let longest = if points < 96 { 5 } else { (points / 3).ilog2() };
+        Self { points: if points == 0 { 1 } else { points }, ..Self::up_to(points / 3, seed) }
+    }
+
+    /// Cuts a path over a map into segments: at most as long as its shorter side of `points`
+    /// points, which a path along it is over when it comes back.
+    pub(super) const fn in_map(points: u32, seed: u32) -> Self {
+        Self::up_to(points, seed)
+    }
+
+    const fn up_to(longest: u32, seed: u32) -> Self {
+        let longest = if longest < 32 { 5 } else { longest.ilog2() };
         let bits = if longest < SEGMENT_STEPS.ilog2() { longest } else { SEGMENT_STEPS.ilog2() };
-        Self { bits, points: if points == 0 { 1 } else { points }, seed }
+        Self { bits, points: 1, seed }
     }
 
     /// Number of frames, a power of two, in which a path goes on by less than a quarter of a
@@ -145,11 +155,11 @@ impl Pair {
         }
     }
 
-    /// The one segment that places within a distance of a place lie in, 0 or 1; `None` if both.
-    pub(super) const fn only(&self, place: Steps, distance: Steps) -> Option<usize> {
-        if place - distance >= self.boundary {
+    /// The one segment that places between two lie in, 0 or 1; `None` if both.
+    pub(super) const fn only(&self, [low, high]: [Steps; 2]) -> Option<usize> {
+        if low >= self.boundary {
             Some(1)
-        } else if place + distance < self.boundary - self.fade {
+        } else if high < self.boundary - self.fade {
             Some(0)
         } else {
             None

@@ -32,6 +32,7 @@ pub(super) struct Plane<'k> {
     place: [Steps; 2],
     ways: [Way; 2],
     walks: [Walk; 2],
+    directions: Directions,
 }
 
 impl<'k> Plane<'k> {
@@ -39,7 +40,8 @@ impl<'k> Plane<'k> {
     pub(super) fn new(surface: &Surface<'k>) -> Option<Self> {
         let map = surface.map()?;
         let points = map.points().map(|points| points as u32);
-        Some(Self { map, points, place: [0; 2], ways: [Way::default(); 2], walks: [const { Walk::new() }; 2] })
+        let (ways, walks) = ([Way::default(); 2], [const { Walk::new() }; 2]);
+        Some(Self { map, points, place: [0; 2], ways, walks, directions: [Ramp::default(); CURVATURES] })
     }
 
     /// Number of points of the shorter side.
@@ -51,6 +53,10 @@ impl<'k> Plane<'k> {
     /// Begins a tick.
     pub(super) fn begin(&mut self, heading: &Heading) {
         self.ways = heading.points.map(Way::new);
+        let [from, to] = heading.directions.map(|weights| weights.map(|weight| fixed_from(weight, 30)));
+        for ((ramp, from), to) in self.directions.iter_mut().zip(from).zip(to) {
+            *ramp = Ramp::new([from, to]);
+        }
     }
 
     /// Goes on by a number of frames.
@@ -58,6 +64,7 @@ impl<'k> Plane<'k> {
         for ((place, way), points) in self.place.iter_mut().zip(&mut self.ways).zip(self.points) {
             *place = in_table(*place + way.go_on(frames), points);
         }
+        self.directions.iter_mut().for_each(|direction| direction.go_on(frames));
     }
 
     /// Curvatures of the next frames in one of two segments, read after some quarters of each
@@ -66,7 +73,6 @@ impl<'k> Plane<'k> {
         &mut self,
         (segments, pair, is_second): (&Segments, &Pair, bool),
         quarters: i64,
-        directions: &mut Directions,
         values: &mut [i32],
     ) {
         let offsets = segments.offset_in_map(pair.second - i64::from(!is_second), self.points);
@@ -76,21 +82,11 @@ impl<'k> Plane<'k> {
             walk.go(in_table(place + offset - behind, points), way.ends(), points as usize, values.len());
         }
         let [x, y] = &self.walks;
-        kernel::read_map(&self.map, [x, y], directions, values);
+        kernel::read_map(&self.map, [x, y], self.directions, values);
     }
 }
 
-/// Weights of a tick from those at its ends.
-pub(super) fn directions(heading: &Heading) -> Directions {
-    let [from, to] = heading.directions.map(|weights| weights.map(|weight| fixed_from(weight, 30)));
-    let mut directions = [Ramp::default(); CURVATURES];
-    for ((ramp, from), to) in directions.iter_mut().zip(from).zip(to) {
-        *ramp = Ramp::new([from, to]);
-    }
-    directions
-}
-
-/// Value at each end of a tick of waves over the direction: cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ
+/// Sum of waves over the direction: cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ
 /// and sin 6θ with their factors.
 pub(super) fn wave_sum(waves: &[f32; 6], [c_square, c_s, s_square]: [f32; CURVATURES]) -> f32 {
     let [c2, s2] = [c_square - s_square, 2.0 * c_s];

@@ -17,6 +17,11 @@ impl Ramp {
         Self { value: from, step: (to - from) / TICK_FRAMES as i32 }
     }
 
+    /// Goes on by a number of frames.
+    pub(super) const fn go_on(&mut self, frames: usize) {
+        self.value = self.value.wrapping_add(self.step.wrapping_mul(frames as i32));
+    }
+
     /// Gives the value at the end of the next frame.
     #[inline(always)]
     pub(super) const fn next(&mut self) -> i32 {

@@ -2,9 +2,9 @@
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
 use super::difference::Difference;
-use super::kernel::{self, Directions, Limited};
+use super::kernel::{self, Limited};
 use super::path::{Pair, Segments, Steps};
-use super::plane::{Heading, Plane, directions, wave_sum};
+use super::plane::{Heading, Plane, wave_sum};
 use super::walk::Walk;
 use super::way::Way;
 use crate::fixed;
@@ -14,6 +14,8 @@ use crate::time::TICK_FRAMES;
 
 /// Steps of the grid a frame up to which the curvature is read once a frame.
 const ONCE_STEPS: f32 = 0.55;
+/// The same on a map.
+const MAP_ONCE_STEPS: f32 = 0.25;
 /// Steps of the grid a frame up to which it is read twice. From there on the slope is read, from
 /// the octave whose points lie 1/0.9 to 2/0.9 = 1.1 to 2.2 to two frames apart.
 const TWICE_STEPS: f32 = 0.9;
@@ -33,7 +35,7 @@ impl Reading {
     /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile. A map
     /// has no slopes, which hang on the way by which one has come.
     pub(super) fn of(steps: f32, is_map: bool) -> Self {
-        if steps <= ONCE_STEPS {
+        if steps <= if is_map { MAP_ONCE_STEPS } else { ONCE_STEPS } {
             return Self::Once;
         }
         if steps <= TWICE_STEPS || is_map {
@@ -67,8 +69,8 @@ pub(super) struct Ends {
 /// Preparation of a tick, by its way of reading.
 #[derive(Clone, Debug)]
 enum Tick {
-    Once(Limited, Directions),
-    Twice(Limited, Directions),
+    Once(Limited),
+    Twice(Limited),
     Octave(usize, Difference),
 }
 
@@ -82,17 +84,17 @@ pub(super) struct Slope<'k> {
     plane: Option<Plane<'k>>,
     /// Places of the block that is read.
     walk: Walk,
-    /// Rises that are mixed with others.
-    others: [i32; TICK_FRAMES],
 }
 
 impl<'k> Slope<'k> {
     /// Reads a surface from place 0.
     pub(super) fn new(surface: Surface<'k>, seed: u32) -> Self {
         let plane = Plane::new(&surface);
-        let points = plane.as_ref().map_or(surface.grid_points() as u32, Plane::shorter);
-        let segments = Segments::new(points, seed);
-        Self { surface, segments, place: 0, plane, walk: Walk::new(), others: [0; TICK_FRAMES] }
+        let segments = match &plane {
+            Some(plane) => Segments::in_map(plane.shorter(), seed),
+            None => Segments::new(surface.grid_points() as u32, seed),
+        };
+        Self { surface, segments, place: 0, plane, walk: Walk::new() }
     }
 
     /// Goes on over a tick.
@@ -118,16 +120,24 @@ impl<'k> Slope<'k> {
 
     /// Rises of a block of frames from the place on.
     fn block(&mut self, tick: &mut Tick, way: Way, largest: i64, rises: &mut [i32]) {
-        // A single frame may go over several segments; it counts for that of its middle.
-        let is_single = rises.len() == 1;
-        let middle = self.place + ((way.speed + way.step) >> 1);
-        let (near, distance) = if is_single { (middle, 0) } else { (self.place, largest * rises.len() as i64) };
-        let pair = self.segments.nearest(near);
-        match pair.only(near, distance) {
+        let mut behind = way;
+        let end = self.place + behind.go_on(rises.len());
+        let is_turning = (way.speed + way.step < 0) != (behind.speed < 0);
+        let between = if rises.len() == 1 {
+            // A single frame may go over several segments; it counts for that of its middle.
+            [self.place + ((way.speed + way.step) >> 1); 2]
+        } else if is_turning {
+            let distance = largest * rises.len() as i64;
+            [self.place - distance, self.place + distance]
+        } else {
+            [self.place.min(end), self.place.max(end)]
+        };
+        let pair = self.segments.nearest(between[0]);
+        match pair.only(between) {
             Some(only) => self.read(tick, (&pair, only == 1), way, rises),
             None => {
                 self.read(&mut tick.clone(), (&pair, true), way, rises);
-                let mut others = self.others;
+                let mut others = [0; TICK_FRAMES];
                 others.iter_mut().zip(rises.iter()).for_each(|(other, rise)| *other = *rise);
                 self.read(tick, (&pair, false), way, rises);
                 self.fade(&pair, way.ends(), rises, &others);
@@ -148,16 +158,16 @@ impl<'k> Slope<'k> {
     /// Rises of a block in one of two segments.
     fn read(&mut self, tick: &mut Tick, segment: (&Pair, bool), way: Way, rises: &mut [i32]) {
         match tick {
-            Tick::Once(limited, directions) => {
-                self.curvatures(segment, (way, 2), directions, rises);
+            Tick::Once(limited) => {
+                self.curvatures(segment, (way, 2), rises);
                 kernel::limit(limited, rises);
             }
-            Tick::Twice(limited, directions) => {
-                let mut others = self.others;
+            Tick::Twice(limited) => {
+                let mut others = [0; TICK_FRAMES];
                 let Some(others) = others.get_mut(..rises.len()) else { return };
-                self.curvatures(segment, (way, 3), &mut directions.clone(), others);
+                self.curvatures(segment, (way, 3), others);
                 kernel::limit(&mut limited.clone(), others);
-                self.curvatures(segment, (way, 1), directions, rises);
+                self.curvatures(segment, (way, 1), rises);
                 kernel::limit(limited, rises);
                 rises.iter_mut().zip(others).for_each(|(rise, other)| *rise = (*rise >> 1) + (*other >> 1));
             }
@@ -173,15 +183,9 @@ impl<'k> Slope<'k> {
     }
 
     /// Curvatures of a block, read after some quarters of each frame.
-    fn curvatures(
-        &mut self,
-        (pair, is_second): (&Pair, bool),
-        (way, quarters): (Way, i64),
-        directions: &mut Directions,
-        values: &mut [i32],
-    ) {
+    fn curvatures(&mut self, (pair, is_second): (&Pair, bool), (way, quarters): (Way, i64), values: &mut [i32]) {
         if let Some(plane) = &mut self.plane {
-            return plane.read((&self.segments, pair, is_second), quarters, directions, values);
+            return plane.read((&self.segments, pair, is_second), quarters, values);
         }
         let (behind, way) = way.behind(quarters);
         let place = self.segments.in_table(self.place + pair.offset(is_second) - behind);
@@ -214,8 +218,7 @@ impl<'k> Slope<'k> {
         }
         let mean = 0.5 * metres * (from * mean[0] + to * mean[1]);
         let limited = Limited::new(&self.surface, ends.alpha_m, rise, mean);
-        let directions = directions(&ends.heading);
-        if reading == Reading::Twice { Tick::Twice(limited, directions) } else { Tick::Once(limited, directions) }
+        if reading == Reading::Twice { Tick::Twice(limited) } else { Tick::Once(limited) }
     }
 
     /// First of the two limits of the table between which limits lie, and the share of the second

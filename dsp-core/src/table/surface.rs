@@ -16,8 +16,8 @@ use super::layout::{
     CURVATURES, GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES, ObjectSurfaceRecord, RollRecord, ScrapeRecord,
     SurfaceHeader, tag,
 };
-use super::place::{Field, Place};
 use super::map::Map;
+use super::place::{Field, Place};
 use super::range::{self, Range};
 
 /// Surface of a [`Kit`].

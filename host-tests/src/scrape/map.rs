@@ -115,15 +115,13 @@ impl<'w> MapLaw<'w> {
     /// Law of a contact with one limit α in metres.
     pub fn new(contact: &Contact<'_>, waves: &'w Waves, alpha_m: f64) -> Self {
         let points = contact.surface.map().expect("a map").points();
-        let segments = Segments::new(points[0].min(points[1]) as u32, contact.seed.wrapping_mul(0x9e37_79b9));
+        let segments = Segments::in_map(points[0].min(points[1]) as u32, contact.seed.wrapping_mul(0x9e37_79b9));
         let grid_step_m = f64::from(contact.surface.grid_step_m());
         let mut law = Self { waves, alpha_m, segments, points, grid_step_m, means_per_m: Vec::new() };
         let mean = |direction: usize| {
             let (s, c) = (PI * direction as f64 / DIRECTIONS as f64).sin_cos();
             let side = 48;
-            let at = |n: usize| {
-                law.limited([(n % side) as f64 / side as f64, (n / side) as f64 / side as f64], [c, s])
-            };
+            let at = |n: usize| law.limited([(n % side) as f64 / side as f64, (n / side) as f64 / side as f64], [c, s]);
             (0..side * side).map(at).sum::<f64>() / (side * side) as f64
         };
         law.means_per_m = (0..DIRECTIONS).map(mean).collect();
@@ -165,9 +163,11 @@ impl<'w> MapLaw<'w> {
                     self.limited(place, direction) - self.mean_per_m(direction)
                 };
                 let own = read(at.segment);
-                curvatures.push(at.fade.map_or(own, |weight| {
-                    own * fade_curve(1.0 - weight) + read(at.segment + 1) * fade_curve(weight)
-                }));
+                curvatures.push(
+                    at.fade.map_or(own, |weight| {
+                        own * fade_curve(1.0 - weight) + read(at.segment + 1) * fade_curve(weight)
+                    }),
+                );
                 speeds.push(speed);
                 path_m += fine_s * speed;
                 place_m = [0, 1].map(|axis| place_m[axis] + fine_s * velocity[axis]);

@@ -34,25 +34,25 @@ fn with_limit<'k>(contact: &Contact<'k>, between: f32) -> (Contact<'k>, f64) {
 }
 
 #[test]
-fn scrapes_on_maps_are_within_100_db_of_the_reference_at_any_angle() {
+fn scrapes_on_maps_are_within_112_db_of_the_reference_at_any_angle_and_beyond_true_speeds_within_93() {
     let scrapes = Scrapes::with_map("mug", Waves::new().surface("waves"));
     let contact = scrapes.contact("mug", "stick", false, [0.0, 1.0]);
-    let mut worst = f64::INFINITY;
+    let mut worst = [f64::INFINITY; 2];
     for share in [0.1, 0.5, 1.0, 2.0, 8.0] {
         for (angle, turns_hz) in [(0.0, 0.0), (0.5, 0.0), (0.25 * TAU, 0.0), (2.5, 0.0), (0.0, 7.0)] {
             let motions = motions(600, share * fastest(&contact), angle, turns_hz);
             let loudest = twin(contact, &motions).iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-            let contact = Contact {
-                reference_force_n: contact.reference_force_n * (loudest / 2f64.powi(28)) as f32,
-                ..contact
-            };
+            let contact =
+                Contact { reference_force_n: contact.reference_force_n * (loudest / 2f64.powi(28)) as f32, ..contact };
             let ratio_db = snr_db(&twin(contact, &motions), &render(contact, &motions));
             println!("{share} of the fastest, {angle:.1} rad, {turns_hz} Hz: {ratio_db:.1} dB");
-            worst = worst.min(ratio_db);
+            let which = usize::from(share > 1.0);
+            worst[which] = worst[which].min(ratio_db);
         }
     }
-    println!("maps: at least {worst:.1} dB");
-    assert!(worst > 100.0, "{worst:.1} dB");
+    let [slow, fast] = worst;
+    println!("maps: at least {slow:.1} dB, beyond the fastest {fast:.1} dB");
+    assert!(slow > 112.0 && fast > 93.0, "{slow:.1} and {fast:.1} dB");
 }
 
 #[test]
@@ -64,7 +64,9 @@ fn third_octaves_on_a_map_are_those_of_the_law_at_any_angle() {
     for between in [0.0, 1.0] {
         let (contact, alpha_m) = with_limit(&contact, between);
         let law = MapLaw::new(&contact, &waves, alpha_m);
-        for (share, angle, turns_hz) in [(0.2, 0.7, 0.0), (1.0, 0.0, 0.0), (1.0, 0.8, 0.0), (1.0, 1.9, 0.0), (0.6, 0.0, 4.0)] {
+        for (share, angle, turns_hz) in
+            [(0.2, 0.7, 0.0), (1.0, 0.0, 0.0), (1.0, 0.8, 0.0), (1.0, 1.9, 0.0), (0.6, 0.0, 4.0)]
+        {
             let motions = motions(450, share * fastest(&contact), angle, turns_hz);
             let exact = energies(&law.force(&contact, &motions), RATE.hz() * OVERSAMPLING as f64, middles_hz());
             let unit = f64::from(contact.reference_force_n) / f64::from(dsp_core::fixed::ONE_Q27);
@@ -78,5 +80,5 @@ fn third_octaves_on_a_map_are_those_of_the_law_at_any_angle() {
         }
     }
     println!("maps: at most {rms_db:.2} dB rms, {most_db:.2} dB in a third of an octave");
-    assert!(most_db < 1.5, "{rms_db:.2} dB rms, at most {most_db:.2}");
+    assert!(rms_db < 0.3 && most_db < 1.1, "{rms_db:.2} dB rms, at most {most_db:.2}");
 }

@@ -6,8 +6,8 @@
 
 use std::f64::consts::PI;
 
-use dsp_core::table::range;
 use dsp_core::table::layout::{CURVATURES, GUARD, LIMITS, MapHeader};
+use dsp_core::table::range;
 use fourier::Complex;
 use zerocopy::byteorder::little_endian::{F32, U32};
 
@@ -65,9 +65,8 @@ pub(super) fn tables(
 pub(super) fn largest_curvature_per_m(surface: &Surface) -> f64 {
     let map = Map::new(surface);
     let [xx, xy, yy] = map.curvatures(map.sizes.map(|size| OVERSAMPLING * size), values);
-    let principal = |((xx, xy), yy): ((&f64, &f64), &f64)| {
-        0.5 * (xx + yy).abs() + (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt()
-    };
+    let principal =
+        |((xx, xy), yy): ((&f64, &f64), &f64)| 0.5 * (xx + yy).abs() + (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
     xx.iter().zip(&xy).zip(&yy).map(principal).fold(0.0, f64::max)
 }
 
@@ -133,9 +132,8 @@ fn derivative(line: Vec<f64>, length_m: f64, order: i32) -> Vec<Complex<f64>> {
 /// Rms over a map of the curvature in all directions.
 fn rms_per_m([xx, xy, yy]: &[Vec<f64>; CURVATURES]) -> f64 {
     // Means over θ: c⁴ and s⁴ 3/8, c² s² 1/8.
-    let square = |((xx, xy), yy): ((&f64, &f64), &f64)| {
-        0.375 * (xx * xx + yy * yy) + 0.125 * (2.0 * xx * yy + 4.0 * xy * xy)
-    };
+    let square =
+        |((xx, xy), yy): ((&f64, &f64), &f64)| 0.375 * (xx * xx + yy * yy) + 0.125 * (2.0 * xx * yy + 4.0 * xy * xy);
     (xx.iter().zip(xy).zip(yy).map(square).sum::<f64>() / xx.len() as f64).sqrt()
 }
 

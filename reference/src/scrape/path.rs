@@ -38,8 +38,13 @@ pub struct InTable {
 impl Segments {
     /// Cuts paths over a surface of `points` points into segments.
     pub fn new(points: u32, seed: u32) -> Self {
-        let third = (points / 3).clamp(32, LONGEST);
-        Self { length: i64::from(1u32 << third.ilog2()) * POINT, points, seed }
+        Self { points, ..Self::in_map(points / 3, seed) }
+    }
+
+    /// Cuts paths over a map into segments, at most as long as its shorter side of `points` points.
+    pub fn in_map(points: u32, seed: u32) -> Self {
+        let longest = points.clamp(32, LONGEST);
+        Self { length: i64::from(1u32 << longest.ilog2()) * POINT, points: 1, seed }
     }
 
     /// Segment of a place.

@@ -1,7 +1,7 @@
 //! Force of one contact that goes on: eq. 1 to 7, and that of a ball with it (eq. 19).
 
-use super::roll::{Roll, Rolling};
 use super::plane::{Heading, weights_of};
+use super::roll::{Roll, Rolling};
 use super::slope::{Reading, Slope};
 use super::smoothing::{Smoothing, rounded};
 use super::surface::Surface;

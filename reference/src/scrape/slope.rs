@@ -11,6 +11,7 @@ use super::{TICK_FRAMES, ramp};
 
 /// Points a frame up to which the curvature is read once, and twice.
 const ONCE_POINTS: f32 = 0.55;
+const MAP_ONCE_POINTS: f32 = 0.25;
 const TWICE_POINTS: f32 = 0.9;
 
 /// Way of reading a surface over a tick.
@@ -24,7 +25,7 @@ pub(super) enum Reading {
 impl Reading {
     /// Way for a tick whose largest speed is given in points a frame, on a map or a profile.
     pub(super) fn of(points: f32, is_map: bool) -> Self {
-        if points <= ONCE_POINTS {
+        if points <= if is_map { MAP_ONCE_POINTS } else { ONCE_POINTS } {
             Self::Once
         } else if points <= TWICE_POINTS || is_map {
             Self::Twice
@@ -54,8 +55,10 @@ pub(super) struct Slope {
 
 impl Slope {
     pub(super) fn new(surface: Surface, seed: u32) -> Self {
-        let points = surface.map.as_ref().map_or(surface.curvature.len(), |map| map.points[0].min(map.points[1]));
-        let segments = Segments::new(points as u32, seed);
+        let segments = match &surface.map {
+            Some(map) => Segments::in_map(map.points[0].min(map.points[1]) as u32, seed),
+            None => Segments::new(surface.curvature.len() as u32, seed),
+        };
         Self { surface, segments, place: 0, plane: [0; 2] }
     }
 

@@ -56,7 +56,10 @@ impl Map {
     pub(super) fn mean_at(&self, limit: usize, [c_square, c_s, s_square]: [f64; 3]) -> f64 {
         let angle = (2.0 * c_s).atan2(c_square - s_square);
         let waves = self.mean_waves_per_m[limit].chunks_exact(2);
-        (1..).zip(waves).map(|(n, pair)| pair[0] * (f64::from(n) * angle).cos() + pair[1] * (f64::from(n) * angle).sin()).sum()
+        (1..)
+            .zip(waves)
+            .map(|(n, pair)| pair[0] * (f64::from(n) * angle).cos() + pair[1] * (f64::from(n) * angle).sin())
+            .sum()
     }
 }
 

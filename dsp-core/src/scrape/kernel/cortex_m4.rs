@@ -5,9 +5,9 @@ use core::mem::offset_of;
 
 use zerocopy::byteorder::little_endian::I16;
 
+use super::super::ramp::Ramp;
 use super::super::tanh::{ARGUMENT_BITS, PIECE_TERMS};
 use super::super::walk::{Point, Walk};
-use super::super::ramp::Ramp;
 use super::{Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
 use crate::table::Map;
 use crate::table::layout::{CURVATURES, GUARD};
@@ -30,7 +30,7 @@ unsafe extern "C" {
         map: *const MapPlaces,
         values: *mut i32,
         values_end: *const i32,
-        directions: *mut Directions,
+        directions: *const Directions,
     );
     fn malleus_scrape_limit(limited: *mut Limited, terms: *const [i32; 4], values: *mut i32, values_end: *const i32);
     fn malleus_scrape_smooth(history: *const i32, taps: *const i32, frames: *mut i32, taps_end: *const i32);
@@ -65,12 +65,7 @@ struct MapPlaces {
 /// Reads a map as [`super::portable::read_map`] does.
 ///
 /// Cost, counted from the code: 165 cycles a frame.
-pub(in super::super) fn read_map(
-    map: &Map<'_>,
-    walks: [&Walk; 2],
-    directions: &mut Directions,
-    values: &mut [i32],
-) {
+pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], directions: Directions, values: &mut [i32]) {
     let [columns, rows] = map.points();
     let [x, y] = walks.map(|walk| walk.points(values.len()));
     let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
@@ -89,7 +84,7 @@ pub(in super::super) fn read_map(
     let end = values.as_ptr_range().end;
     // SAFETY: there is a place in both directions for each value, at least one; each lies before the
     // map's numbers of columns and rows, behind which its coefficients go on by three.
-    unsafe { malleus_scrape_read_map(&places, values.as_mut_ptr(), end, directions) }
+    unsafe { malleus_scrape_read_map(&places, values.as_mut_ptr(), end, &directions) }
 }
 
 /// Limits curvatures as [`super::portable::limit`] does.

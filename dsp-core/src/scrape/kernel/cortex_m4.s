@@ -79,7 +79,7 @@ malleus_scrape_read:
 @ Registers: r0 row, r1 weight of the direction, r2 coefficients, r3 bytes of a row, r4-r7 sums of
 @ columns, r8-r11 weights of rows, r12 weight of a row and direction, lr coefficients; s0 values,
 @ s1 their end, s2 map, s3 bytes of a row, s4 bytes to the next map, s5 and s6 places along rows and
-@ across, s8-s13 weights of the directions and their steps, s14 their address, s15 fraction.
+@ across, s8-s13 weights of the directions and their steps, s15 fraction.
     .p2align 4
     .global malleus_scrape_read_map
     .type   malleus_scrape_read_map, %function
@@ -89,7 +89,6 @@ malleus_scrape_read_map:
     vldmia  r3, {s8-s13}
     vmov    s0, r1
     vmov    s1, r2
-    vmov    s14, r3
 1:  vmov    r0, s6
     ldrd    r1, r2, [r0], #8
     vmov    s6, r0
@@ -155,10 +154,6 @@ malleus_scrape_read_map:
     vmov    s0, r0
     cmp     r0, r1
     bne     1b
-    vmov    r0, s14
-    vstr    s8, [r0]
-    vstr    s10, [r0, #8]
-    vstr    s12, [r0, #16]
     pop     {r4-r11, pc}
     .size   malleus_scrape_read_map, . - malleus_scrape_read_map
 

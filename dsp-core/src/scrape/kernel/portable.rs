@@ -26,12 +26,7 @@ pub(in super::super) fn read(table: &[I16], walk: &Walk, values: &mut [i32]) {
 
 /// Reads the curvature of a map in a direction: along its rows where the first walk goes, across
 /// them where the second one does. [`MAP_ONE`](super::MAP_ONE) stands for one unit.
-pub(in super::super) fn read_map(
-    map: &Map<'_>,
-    walks: [&Walk; 2],
-    directions: &mut Directions,
-    values: &mut [i32],
-) {
+pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], mut directions: Directions, values: &mut [i32]) {
     let [columns, rows] = map.points();
     let [x, y] = walks.map(|walk| walk.points(values.len()));
     let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
