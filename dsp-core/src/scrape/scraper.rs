@@ -100,8 +100,9 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 /// ahead as it looks back. Equations: scraping-rolling eq. 1 to 7, and 15 to 19 for a ball.
 ///
 /// Accuracy: at least 110 dB of the `f64` reference for scrapes at 0.05 to 2 m/s, 106 dB for rolls
-/// (`cargo test -p host-tests --test scrape twin:: -- --nocapture`). Cost on a Cortex-M4F: 266 to
-/// 401 cycles a frame, 661 for a ball, 8 at rest (`cargo test -p host-tests --test on_chip scrape::
+/// (`cargo test -p host-tests --test scrape twin:: -- --nocapture`), 114 dB on maps up to an eighth
+/// of the shortest wave a frame (`maps::`). Cost on a Cortex-M4F: 269 to 399 cycles a frame, 664
+/// for a ball, 553 to 937 on a map, 8 at rest (`cargo test -p host-tests --test on_chip scrape::
 /// -- --nocapture`).
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {

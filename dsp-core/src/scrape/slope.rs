@@ -14,7 +14,8 @@ use crate::time::TICK_FRAMES;
 
 /// Steps of the grid a frame up to which the curvature is read once a frame.
 const ONCE_STEPS: f32 = 0.55;
-/// The same on a map.
+/// Steps of the grid a frame up to which a map is read once. Read twice at an eighth of a wave a
+/// frame, the largest error of a third octave is 0.75 dB instead of 1.34.
 const MAP_ONCE_STEPS: f32 = 0.25;
 /// Steps of the grid a frame up to which it is read twice. From there on the slope is read, from
 /// the octave whose points lie 1/0.9 to 2/0.9 = 1.1 to 2.2 to two frames apart.

@@ -36,8 +36,8 @@ impl Way {
         far
     }
 
-    /// How far behind the begin of a frame its place is when it is to be read after some quarters
-    /// of the frame, and the way from there.
+    /// Distance to a place so far behind that a walk from there is, in each frame, where the way
+    /// is after some quarters of the frame; and the walk's way.
     pub(super) const fn behind(self, quarters: i64) -> (Steps, Self) {
         let rest = 4 - quarters;
         ((self.speed * rest) >> 2, Self { speed: self.speed - ((self.step * rest) >> 2), step: self.step })

@@ -31,7 +31,8 @@ impl<'a> Map<'a> {
     }
 
     /// Mean of the limited curvature at each limit over the direction θ, 1/m, on top of
-    /// [`Surface::mean_per_m`](super::Surface::mean_per_m): factors of cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ and sin 6θ.
+    /// [`Surface::mean_per_m`](super::Surface::mean_per_m): factors of cos 2θ, sin 2θ, cos 4θ,
+    /// sin 4θ, cos 6θ and sin 6θ.
     pub fn mean_waves_per_m(&self) -> [[f32; 6]; LIMITS] {
         self.header.mean_waves_per_m.map(|limit| limit.map(|wave| wave.get()))
     }

@@ -107,6 +107,16 @@ pub enum SurfaceError {
         /// Shortest wavelength in metres.
         shortest_m: f64,
     },
+    /// A side of the map is shorter than a map asks.
+    #[error(
+        "a side of the map is {side_m:.3e} m long, 10 of its shortest waves of {shortest_m:.3e} m at least are needed: give a larger map, or leave --map out"
+    )]
+    MapTooSmall {
+        /// Length of the shorter side in metres.
+        side_m: f64,
+        /// Shortest wavelength in metres.
+        shortest_m: f64,
+    },
     /// The section lies outside the profile.
     #[error(
         "--section {from_m},{to_m}: the profile reaches from 0 to {length_m:.5} m, and a section has at least 20 waves of {shortest_m:.3e} m"

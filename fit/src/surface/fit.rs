@@ -4,10 +4,11 @@ use super::error::SurfaceError;
 use super::extension::extended;
 use super::filled::{filled, whole_rows};
 use super::heights::Heights;
+use super::map::map;
 use super::options::{Note, Options, Source};
 use super::profile::{LEAST_POINTS, profiles};
 use super::report::{Report, report};
-use super::section::{map, section};
+use super::section::section;
 use super::shortest::shortest_m;
 use super::statistics::{Curvature, statistics};
 use super::synthesis::synthesised;
@@ -63,8 +64,8 @@ pub fn fit(
     let step_m = |shortest_m: f64| shortest_m / POINTS_PER_WAVE;
     let table = match options.source {
         Source::Map => {
-            let (heights, columns) = map(&profiles, measured_m, MOST_POINTS);
-            Table::new(&heights, heights.len() / columns, profiles.step_m, measured_m)?
+            let (map, rows, step_m) = map(&heights, measured_m, POINTS_PER_WAVE)?;
+            Table::new(&map, rows, step_m, measured_m)?
         }
         Source::Section(range_m) => {
             let (heights, step_m) = section(&profiles, range_m, measured_m, step_m(measured_m))?;
@@ -109,6 +110,9 @@ fn check(heights: &Heights, options: &Options) -> Result<(), SurfaceError> {
     }
     if options.source == Source::Map && heights.rows() < 2 {
         return Err(SurfaceError::NoMap);
+    }
+    if let (Source::Map, Some(radius_m)) = (options.source, options.tip_radius_m) {
+        return range("--tip-radius", radius_m, "leave it out: a ball's path is taken over profiles, not with --map");
     }
     Ok(())
 }

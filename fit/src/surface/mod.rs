@@ -19,6 +19,7 @@ mod file;
 mod filled;
 mod fit;
 mod heights;
+mod map;
 mod npy_file;
 mod options;
 mod profile;

@@ -48,7 +48,7 @@ pub(super) fn profiles(heights: &Heights) -> Result<Profiles, SurfaceError> {
 }
 
 /// Takes the straight line of least squares off a row.
-fn level(row: &mut [f64]) {
+pub(super) fn level(row: &mut [f64]) {
     let count = row.len() as f64;
     let middle = 0.5 * (count - 1.0);
     let mean = row.iter().sum::<f64>() / count;

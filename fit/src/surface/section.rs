@@ -7,7 +7,7 @@ use super::profile::Profiles;
 use super::waves::{frequency_per_m, signal, spectrum};
 
 /// Length of the fade of a section's end into its beginning, in shortest waves.
-const FADE: f64 = 10.0;
+pub(super) const FADE: f64 = 10.0;
 /// Least length of a section in shortest waves.
 const LEAST_WAVES: f64 = 20.0;
 
@@ -37,36 +37,13 @@ pub(super) fn section(
     Ok((limited(&part, profiles.step_m, points, shortest_m), own_step_m))
 }
 
-/// A map of at most `most` points in its own steps, cut from the middle, and the points of a row.
-///
-/// Its edges are faded into one another.
-pub(super) fn map(profiles: &Profiles, shortest_m: f64, most: usize) -> (Vec<f64>, usize) {
-    let fade = ((FADE * shortest_m / profiles.step_m) as usize).min(profiles.rows.len() / 8).min(profiles.points() / 8);
-    let side = |length: usize| even((length - fade) as f64);
-    let (mut rows, mut columns) = (side(profiles.rows.len()), side(profiles.points()));
-    while rows * columns > most {
-        if rows > columns { rows -= 2 } else { columns -= 2 }
-    }
-    let (top, left) = ((profiles.rows.len() - rows - fade) / 2, (profiles.points() - columns - fade) / 2);
-    let of_row = |row: &Vec<f64>| {
-        limited(&closed(&row[left..left + columns + fade], fade), profiles.step_m, columns, shortest_m)
-    };
-    let lines: Vec<Vec<f64>> = profiles.rows[top..top + rows + fade].iter().map(of_row).collect();
-    let mut map = vec![0.0; rows * columns];
-    for column in 0..columns {
-        let line: Vec<f64> = lines.iter().map(|row| row[column]).collect();
-        let line = limited(&closed(&line, fade), profiles.step_m, rows, shortest_m);
-        line.into_iter().enumerate().for_each(|(row, height)| map[row * columns + column] = height);
-    }
-    (map, columns)
-}
-
-fn even(length: f64) -> usize {
+/// Even number of points nearest to a length.
+pub(super) fn even(length: f64) -> usize {
     2 * (length / 2.0).round() as usize
 }
 
 /// A part whose last `fade` points are faded into its first ones, which follow on its end so.
-fn closed(part: &[f64], fade: usize) -> Vec<f64> {
+pub(super) fn closed(part: &[f64], fade: usize) -> Vec<f64> {
     let count = part.len() - fade;
     let mut closed = part[..count].to_vec();
     for (index, behind) in part[count..].iter().enumerate() {
@@ -76,11 +53,17 @@ fn closed(part: &[f64], fade: usize) -> Vec<f64> {
     closed
 }
 
-/// A periodic part in another number of points, without waves shorter than `shortest_m`.
+/// A periodic part in another number of points, without its mean and waves shorter than
+/// `shortest_m`.
 fn limited(part: &[f64], step_m: f64, points: usize, shortest_m: f64) -> Vec<f64> {
+    resampled(part, points, |bin| bin > 0 && frequency_per_m(bin, part.len(), step_m) <= 1.0 / shortest_m)
+}
+
+/// A periodic part in another number of points, of the waves that are kept.
+pub(super) fn resampled(part: &[f64], points: usize, is_kept: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut bins = spectrum(part);
     for (bin, value) in bins.iter_mut().enumerate() {
-        if bin == 0 || frequency_per_m(bin, part.len(), step_m) > 1.0 / shortest_m {
+        if !is_kept(bin) {
             *value *= 0.0;
         }
     }

@@ -6,6 +6,8 @@ use super::spectrum::{Level, levels};
 
 /// Wavelengths in metres at which the level that a cliff is measured from lies.
 const REFERENCE_M: [f64; 2] = [0.7e-3, 1.4e-3];
+/// Number of the longest waves' levels that take its place on a short surface.
+const LONGEST: usize = 6;
 /// Fall from that level in dB by which nothing is left.
 const FALLEN_DB: f64 = 60.0;
 /// Fall in dB within half an octave that no surface has: the edge of an interpolation.
@@ -18,7 +20,8 @@ const STEPS: f64 = 2.5;
 /// Shortest wavelength in metres that was measured, and a note if it lies far above two steps.
 ///
 /// An interpolation to finer steps leaves an edge in the spectrum, and images of the spectrum below
-/// it. The edge lies where the density of heights is 60 dB below that at 1 mm. Without an edge it
+/// it. The edge lies where the density of heights is 60 dB below that at 1 mm, or at the longest
+/// waves of a surface of a few millimetres. Without an edge it
 /// is 2.5 steps.
 ///
 /// On the ten interpolated profiles of ThreeDWorld it is within 5 % of those in the data's manifest
@@ -39,9 +42,8 @@ fn edge_m(levels: &[Level]) -> Option<f64> {
         .filter(|level| (REFERENCE_M[0]..REFERENCE_M[1]).contains(&length_m(level)))
         .map(|level| level.db)
         .collect();
-    if near.is_empty() {
-        return None;
-    }
+    // A short surface has no such waves: its longest ones stand for them.
+    let near = if near.is_empty() { levels.iter().take(LONGEST).map(|level| level.db).collect() } else { near };
     let least_db = near.iter().sum::<f64>() / near.len() as f64 - FALLEN_DB;
     let first = levels.iter().position(|level| length_m(level) < REFERENCE_M[0] && level.db < least_db)?;
     let before = levels.get(first.checked_sub(1)?)?;

@@ -22,8 +22,6 @@ fn cycles(scrapes: &Scrapes, striker: &str, rolls: bool, velocity_m_per_s: [f32;
             worst = worst.max(frame);
         }
     }
-        println!("PROF {} {:.1}", f.name, f.cost.nominal as f64 / 320.0 / 32.0);
-    }
     [sum / 300.0, worst]
 }
 

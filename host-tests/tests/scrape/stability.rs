@@ -3,6 +3,7 @@
 use dsp_core::SampleRate;
 use dsp_core::scrape::{Contact, MAX_SPEED_M_PER_S, Motion, MotionError, Scraper};
 use dsp_core::time::TICK_FRAMES;
+use host_tests::scrape::map::Waves;
 use host_tests::scrape::{RATE, Scrapes, along, render};
 use proptest::prelude::*;
 
@@ -75,8 +76,8 @@ fn hour_at_rest_is_silent_and_the_stroke_behind_it_sounds_as_at_first() {
 /// Smoothing in seconds, seed, whether the contact rolls, and the normal forces.
 type Rest = (f32, u32, bool, [f32; 2]);
 
-/// Parameters of a contact over the whole range of a kit: pad, numbers of the force, limits α,
-/// rest.
+/// Parameters of a contact over the whole range of a kit: pad, of which `pan` has a map, numbers of
+/// the force, limits α, rest.
 fn parameters() -> impl Strategy<Value = (&'static str, [f32; 4], [f32; 2], Rest)> {
     let pad = prop::sample::select(vec!["mug", "marimba", "pan", "glockenspiel"]);
     let force = (1e-6..100.0f32, 0.0..1e4f32, 0.25..4.0f32, 0.05..8.0f32).prop_map(<[f32; 4]>::from);
@@ -97,7 +98,7 @@ proptest! {
         motions in prop::collection::vec((-7.0..7.0f32, -7.0..7.0f32, -0.5..2.0f32), 1..200),
         rate in prop::sample::select(vec![SampleRate::HZ_48000, SampleRate::HZ_44100]),
     ) {
-        let scrapes = Scrapes::new();
+        let scrapes = Scrapes::with_map("pan", Waves::new().surface("waves"));
         let contact = scrapes.contact(pad, if rolls { "ball" } else { "stick" }, rolls, normal_n);
         let [mass_kg, gain, exponent, alpha_exponent] = force;
         let contact = Contact { mass_kg, slope: [gain, exponent], alpha_m, alpha_exponent, smoothing_s, seed, ..contact };

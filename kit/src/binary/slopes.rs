@@ -8,7 +8,6 @@
 use dsp_core::table::layout::{GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES};
 use fourier::Complex;
 
-use super::map;
 use crate::error::KitError;
 use crate::surface::Surface;
 
@@ -44,9 +43,6 @@ impl Tables {
         surface: &Surface,
         limits_m: impl FnOnce(f64) -> Result<[f64; 2], KitError>,
     ) -> Result<Option<Self>, KitError> {
-        if surface.rows > 1 {
-            return map::tables(surface, limits_m);
-        }
         let points = surface.heights.len();
         let length_m = points as f64 * f64::from(surface.step_m);
         let grid = (POINTS_A_WAVE * length_m / f64::from(surface.shortest_m)).ceil() as usize;
@@ -104,19 +100,14 @@ impl Tables {
     }
 }
 
-impl Surface {
-    /// Largest curvature of the surface in any direction, 1/m; between heights it is taken at three
-    /// places, in a map at one.
-    pub fn largest_curvature_per_m(&self) -> f64 {
-        if self.rows > 1 {
-            return map::largest_curvature_per_m(self);
-        }
-        let heights = self.heights.iter().map(|&height| f64::from(height) * f64::from(self.unit_m)).collect();
-        let spectrum = curvatures(heights, self.heights.len() as f64 * f64::from(self.step_m));
-        values(&spectrum, 4 * self.heights.len())
-            .into_iter()
-            .fold(0.0, |largest, curvature| largest.max(curvature.abs()))
-    }
+/// Largest curvature of a profile in either direction, 1/m; between heights it is taken at three
+/// places.
+pub(super) fn largest_curvature_per_m(surface: &Surface) -> f64 {
+    let heights = surface.heights.iter().map(|&height| f64::from(height) * f64::from(surface.unit_m)).collect();
+    let spectrum = curvatures(heights, surface.heights.len() as f64 * f64::from(surface.step_m));
+    values(&spectrum, 4 * surface.heights.len())
+        .into_iter()
+        .fold(0.0, |largest, curvature| largest.max(curvature.abs()))
 }
 
 /// Curvature that is limited by a length α.

@@ -7,6 +7,7 @@ use zerocopy::byteorder::little_endian::{F32, I16, U16, U32};
 
 use super::builder::{Build, append};
 use super::slopes::Tables;
+use super::{map, slopes};
 use crate::content::{Object, Striker};
 use crate::error::{Fault, KitError};
 use crate::surface::{ObjectSurface, Roll, Scrape, Surface};
@@ -22,7 +23,8 @@ impl Build<'_> {
             let fault = Fault::Uneven { heights: surface.heights.len(), rows: surface.rows };
             return Err(self.fault(place, fault));
         }
-        let tables = Tables::new(surface, |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m));
+        let limits_m = |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m);
+        let tables = if surface.rows > 1 { map::tables(surface, limits_m) } else { Tables::new(surface, limits_m) };
         let Some(tables) = tables? else { return Err(self.fault(place, Fault::Flat)) };
         let size = |length: usize| U32::new(length as u32);
         let header = SurfaceHeader {
@@ -122,6 +124,14 @@ impl Build<'_> {
             }
         }
         Ok([scrapes, rolls])
+    }
+}
+
+impl Surface {
+    /// Largest curvature of the surface in any direction, 1/m; between heights it is taken at three
+    /// places, in a map at one.
+    pub fn largest_curvature_per_m(&self) -> f64 {
+        if self.rows > 1 { map::largest_curvature_per_m(self) } else { slopes::largest_curvature_per_m(self) }
     }
 }
 

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use crate::arbitrary_number::number;
 
-/// Surface with 256 to 600 heights, which are not all the same.
+/// Profile or map with 256 to 600 heights, which are not all the same.
 pub(crate) fn surface(
     name: String,
     source: impl Strategy<Value = String>,
@@ -14,17 +14,19 @@ pub(crate) fn surface(
 ) -> impl Strategy<Value = Surface> {
     let heights = prop::collection::vec(any::<i16>(), range::HEIGHTS[0]..600)
         .prop_filter("not flat", |heights| heights.iter().any(|height| *height != heights[0]));
+    // A profile, or a map of some rows; 256 heights are a whole number of each.
+    let rows = prop_oneof![Just(1_usize), Just(2), Just(16), Just(64)];
     let shortest = 2.0..200.0_f32;
-    (source, licence, 1e-7..1e-4_f32, 1e-12..1e-6_f32, shortest, heights).prop_map(
-        move |(source, licence, step_m, unit_m, shortest, heights)| Surface {
+    (source, licence, 1e-7..1e-4_f32, 1e-12..1e-6_f32, shortest, (heights, rows)).prop_map(
+        move |(source, licence, step_m, unit_m, shortest, (heights, rows))| Surface {
             name: name.clone(),
             source,
             licence,
             step_m,
-            rows: 1,
+            rows,
             unit_m,
             shortest_m: (shortest * step_m).max(range::SHORTEST_M.min),
-            heights,
+            heights: heights[..heights.len() / rows * rows].to_vec(),
         },
     )
 }

@@ -82,8 +82,8 @@ pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], directions: D
         y: y.as_ptr(),
     };
     let end = values.as_ptr_range().end;
-    // SAFETY: there is a place in both directions for each value, at least one; each lies before the
-    // map's numbers of columns and rows, behind which its coefficients go on by three.
+    // SAFETY: there is a place in both directions for each value, at least one; each lies before
+    // the map's numbers of columns and rows, behind which its coefficients go on by three.
     unsafe { malleus_scrape_read_map(&places, values.as_mut_ptr(), end, &directions) }
 }
 

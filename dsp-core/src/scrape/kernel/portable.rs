@@ -40,7 +40,8 @@ pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], mut direction
         for (map_index, direction) in directions.iter_mut().enumerate() {
             let share = direction.next();
             for (row_index, weight) in weights.iter().enumerate() {
-                // At most 1 times 4 in Q26: the sums stay below 1.5 · 6 · 2^26 · 2^15 / 2^16 = 2^28.2.
+                // At most 1 times 4 in Q26: the sums stay below 1.5 · 6 · 2^26 · 2^15 / 2^16, which
+                // is 2^28.2.
                 let weight = fixed::smmulr(share, *weight);
                 let first = map_index * size + (y.index as usize + row_index) * row + x.index as usize;
                 let four = map.coefficients().get(first..).and_then(<[_]>::first_chunk::<4>);
