@@ -25,7 +25,7 @@ impl<'a> Map<'a> {
     }
 
     /// Coefficients of the splines of `z_xx`, `2 z_xy` and `z_yy`, one map behind the other, row by
-    /// row; each row has its [`GUARD`], and each map that of its rows.
+    /// row; each row has its [`GUARD`](super::layout::GUARD), and each map that of its rows.
     pub fn coefficients(&self) -> &'a [I16] {
         self.coefficients
     }

@@ -141,8 +141,8 @@ impl Scraper {
         })
     }
 
-    /// Motion over the plane from the last motion to this one, with the points a frame of a speed of
-    /// 1 m/s. Rest has the direction of the motion before.
+    /// Motion over the plane from the last motion to this one, with the points a frame of a speed
+    /// of 1 m/s. Rest has the direction of the motion before.
     fn heading_over_tick(&mut self, before: [f32; 2], motion: Motion, [along, across]: [f32; 2]) -> Heading {
         let (from, to) = (self.velocity, motion.velocity_m_per_s);
         self.velocity = to;
