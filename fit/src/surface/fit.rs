@@ -40,12 +40,12 @@ pub fn fit(
 ) -> Result<(Table, Report, Vec<Note>), SurfaceError> {
     check(&heights, options)?;
     heights.values.iter_mut().for_each(|height| *height *= options.height_scale);
-    let whole = if options.source == Source::Map { None } else { whole_rows(&heights, LEAST_POINTS) };
+    let whole = whole_rows(&heights, LEAST_POINTS);
+    let is_missing: Vec<bool> = heights.values.iter().map(|height| !height.is_finite()).collect();
     let (heights, note) = filled(heights)?;
-    let heights = whole.unwrap_or(heights);
     let mut notes: Vec<Note> = note.into_iter().collect();
     told(0.1);
-    let mut profiles = profiles(&heights)?;
+    let mut profiles = profiles(whole.as_ref().unwrap_or(&heights))?;
     notes.extend(profiles.doubt());
     if profiles.rows.len() > 1 && options.source != Source::Map {
         notes.push(Note::Rows { rows: profiles.rows.len() });
@@ -64,7 +64,7 @@ pub fn fit(
     let step_m = |shortest_m: f64| shortest_m / POINTS_PER_WAVE;
     let table = match options.source {
         Source::Map => {
-            let (map, rows, step_m) = map(&heights, measured_m, POINTS_PER_WAVE)?;
+            let (map, rows, step_m) = map(&heights, &is_missing, measured_m, POINTS_PER_WAVE)?;
             Table::new(&map, rows, step_m, measured_m)?
         }
         Source::Section(range_m) => {

@@ -14,9 +14,11 @@ const LEAST_WAVES: f64 = 10.0;
 /// Points of a kit's grid for a shortest wave.
 const GRID_POINTS_PER_WAVE: f64 = 2.75;
 
-/// A map from the middle of a surface without its plane, of at most as many points as a kit takes:
-/// heights row by row in steps of `shortest_m / points_per_wave`, the number of rows, and the step
-/// in metres.
+/// A map from a surface without its plane, of at most as many points as a kit takes: heights row by
+/// row in steps of `shortest_m / points_per_wave`, the number of rows, and the step in metres.
+///
+/// It is cut where the fewest points were missing, for filled ones are smoother than measured ones,
+/// and among such places next to the middle.
 ///
 /// Its edges are faded into one another. It has no wave shorter than `shortest_m` in any direction.
 ///
@@ -24,6 +26,7 @@ const GRID_POINTS_PER_WAVE: f64 = 2.75;
 /// [`SurfaceError::MapTooSmall`] for a side of less than 10 shortest waves.
 pub(super) fn map(
     heights: &Heights,
+    is_missing: &[bool],
     shortest_m: f64,
     points_per_wave: f64,
 ) -> Result<(Vec<f64>, usize, f64), SurfaceError> {
@@ -44,7 +47,7 @@ pub(super) fn map(
     let step_m = counts[0] as f64 * own_m / columns as f64;
     let rows = even(counts[1] as f64 * own_m / step_m);
     let level = levelled(heights);
-    let begin = [0, 1].map(|axis| (sides[axis] - counts[axis] - fades[axis]) / 2);
+    let begin = begin(is_missing, sides, [0, 1].map(|axis| counts[axis] + fades[axis]));
     let across = |axis: usize| begin[axis]..begin[axis] + counts[axis] + fades[axis];
     // Waves along the rows, in each of which the waves across them are cut off on a circle.
     let waves: Vec<Vec<Complex<f64>>> =
@@ -66,6 +69,28 @@ pub(super) fn map(
         }
     }
     Ok((bins.into_iter().flat_map(|bins| signal(bins, columns)).collect(), rows, step_m))
+}
+
+/// Begin of a part of a size within sides, with the fewest missing points.
+fn begin(is_missing: &[bool], sides: [usize; 2], size: [usize; 2]) -> [usize; 2] {
+    // Missing points above and to the left of each corner.
+    let width = sides[0] + 1;
+    let mut before = vec![0_usize; width * (sides[1] + 1)];
+    for (row, line) in is_missing.chunks_exact(sides[0]).enumerate() {
+        let mut sum = 0;
+        for (column, &is_missing) in line.iter().enumerate() {
+            sum += usize::from(is_missing);
+            before[(row + 1) * width + column + 1] = before[row * width + column + 1] + sum;
+        }
+    }
+    let room = [0, 1].map(|axis| sides[axis] - size[axis]);
+    let missing = |[x, y]: [usize; 2]| {
+        let at = |x: usize, y: usize| before[y * width + x];
+        at(x + size[0], y + size[1]) + at(x, y) - at(x, y + size[1]) - at(x + size[0], y)
+    };
+    let from_middle = |[x, y]: [usize; 2]| x.abs_diff(room[0] / 2) + y.abs_diff(room[1] / 2);
+    let places = (0..=room[1]).flat_map(|y| (0..=room[0]).map(move |x| [x, y]));
+    places.min_by_key(|&place| (missing(place), from_middle(place))).unwrap_or([0; 2])
 }
 
 /// Bytes that a map takes in a kit, of sides in shortest waves.
