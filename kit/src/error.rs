@@ -191,6 +191,16 @@ pub enum Fault {
         /// Number of rows.
         rows: usize,
     },
+    /// A side of a map is shorter than three of its shortest waves.
+    #[error(
+        "heights: a side of the map is {side_m:e} m long, three shortest waves of {shortest_m:e} m at least are needed: give more rows or columns"
+    )]
+    Narrow {
+        /// Length of the shorter side in metres.
+        side_m: f64,
+        /// Shortest wave in metres.
+        shortest_m: f64,
+    },
     /// A scraper's limits, of which one is that of a surface, are upside down.
     #[error(
         "alpha_min_m and alpha_max_m are {least_m:e} and {most_m:e} on surface {surface:?}: the first must be below the second"

@@ -44,4 +44,4 @@ pub use load::{Loaded, load};
 pub use open::open;
 pub use shipped::{shipped, shipped_names};
 pub use statistics::{BankStatistics, Statistics};
-pub use surface::{ObjectSurface, Roll, Scrape, Surface};
+pub use surface::{GRID_POINTS_PER_WAVE, ObjectSurface, Roll, Scrape, Surface};

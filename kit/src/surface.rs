@@ -1,6 +1,10 @@
 //! Surfaces, and what moves over them, as plain values.
 
-/// Surface: heights of a profile that begins anew at its end.
+/// Points of the grid, on which a kit's binary form holds curvatures, in a shortest wave.
+pub const GRID_POINTS_PER_WAVE: f64 = 2.75;
+
+/// Surface: heights of a profile that begins anew at its end, or of a map that begins anew at its
+/// edges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Name of the surface.
@@ -9,15 +13,15 @@ pub struct Surface {
     pub source: String,
     /// Licence of the surface's numbers, at most 65535 bytes of UTF-8.
     pub licence: String,
-    /// Distance of the heights in metres.
+    /// Distance of the heights in metres, in a map also of its rows.
     pub step_m: f32,
-    /// Number of rows; a profile has 1.
+    /// Number of rows; a profile has 1, a map more.
     pub rows: usize,
     /// Height of one unit in metres.
     pub unit_m: f32,
     /// Shortest wave in metres.
     pub shortest_m: f32,
-    /// Heights in units.
+    /// Heights in units, row by row.
     pub heights: Vec<i16>,
 }
 

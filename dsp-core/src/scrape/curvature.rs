@@ -10,7 +10,7 @@ impl Limited {
     /// Prepares a tick with limits α in metres, and with the largest rise of a frame at its ends
     /// and the mean one, in units.
     pub(super) fn new(surface: &Surface<'_>, alpha_m: [f32; 2], rise: [f32; 2], mean: f32) -> Self {
-        let one = if surface.map().is_some() { MAP_ONE } else { spline::ONE };
+        let one = if surface.rows() > 1 { MAP_ONE } else { spline::ONE };
         let unit = surface.curvature_unit_per_m() * (1.0 / one as f32);
         // The product's high word has the argument's bits. A larger factor than 2^30 stands for
         // arguments of which all but the smallest are beyond the end of tanh.

@@ -46,8 +46,8 @@ impl Segments {
         Self { points: if points == 0 { 1 } else { points }, ..Self::up_to(points / 3, seed) }
     }
 
-    /// Cuts a path over a map into segments: at most as long as its shorter side of `points`
-    /// points, which a path along it is over when it comes back.
+    /// Cuts a path over a map into segments, at most as long as its shorter side of `points`
+    /// points: on a straight line no segment comes over the same place twice.
     pub(super) const fn in_map(points: u32, seed: u32) -> Self {
         Self::up_to(points, seed)
     }

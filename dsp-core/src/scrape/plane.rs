@@ -8,13 +8,13 @@ use super::way::Way;
 use crate::table::layout::CURVATURES;
 use crate::table::{Map, Surface};
 
-/// Motion over the plane at the ends of a tick.
+/// Motion over the plane at one end of a tick.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Heading {
-    /// Velocity along the rows, and across them, at both ends, points of the grid a frame.
-    pub(super) points: [[f32; 2]; 2],
-    /// Weights c², c s and s² of the direction (c, s) at the ends.
-    pub(super) directions: [[f32; CURVATURES]; 2],
+pub(super) struct HeadingEnd {
+    /// Velocity along the rows and across them, points of the grid a frame.
+    pub(super) points: [f32; 2],
+    /// Weights c², c s and s² of the direction (c, s).
+    pub(super) directions: [f32; CURVATURES],
 }
 
 /// Weights c², c s and s² of the direction of a velocity.
@@ -51,12 +51,20 @@ impl<'k> Plane<'k> {
     }
 
     /// Begins a tick.
-    pub(super) fn begin(&mut self, heading: &Heading) {
-        self.ways = heading.points.map(Way::new);
-        let [from, to] = heading.directions.map(|weights| weights.map(|weight| fixed_from(weight, 30)));
+    pub(super) fn begin(&mut self, [from, to]: &[HeadingEnd; 2]) {
+        let ([from_x, from_y], [to_x, to_y]) = (from.points, to.points);
+        self.ways = [[from_x, to_x], [from_y, to_y]].map(Way::new);
+        let [from, to] = [from, to].map(|end| end.directions.map(|weight| fixed_from(weight, 30)));
         for ((ramp, from), to) in self.directions.iter_mut().zip(from).zip(to) {
             *ramp = Ramp::new([from, to]);
         }
+    }
+
+    /// Mean of the limited curvature in a direction on top of that in all directions, 1/m, at the
+    /// limit `column` of the table and at the next one.
+    pub(super) fn means_per_m(&self, column: usize, directions: [f32; CURVATURES]) -> [f32; 2] {
+        let waves = self.map.mean_waves_per_m();
+        [column, column + 1].map(|column| waves.get(column).map_or(0.0, |waves| wave_sum(waves, directions)))
     }
 
     /// Goes on by a number of frames.
@@ -86,9 +94,9 @@ impl<'k> Plane<'k> {
     }
 }
 
-/// Sum of waves over the direction: cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ
-/// and sin 6θ with their factors.
-pub(super) fn wave_sum(waves: &[f32; 6], [c_square, c_s, s_square]: [f32; CURVATURES]) -> f32 {
+/// Sum of waves over the direction: cos 2θ, sin 2θ, cos 4θ, sin 4θ, cos 6θ and sin 6θ with their
+/// factors.
+fn wave_sum(waves: &[f32; 6], [c_square, c_s, s_square]: [f32; CURVATURES]) -> f32 {
     let [c2, s2] = [c_square - s_square, 2.0 * c_s];
     let [c4, s4] = [c2 * c2 - s2 * s2, 2.0 * c2 * s2];
     let [c6, s6] = [c4 * c2 - s4 * s2, s4 * c2 + c4 * s2];

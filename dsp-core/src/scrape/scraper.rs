@@ -2,7 +2,7 @@
 //! and that of a ball with it (eq. 19).
 
 use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
-use super::plane::{Heading, weights_of};
+use super::plane::{HeadingEnd, weights_of};
 use super::power::Powers;
 use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
 use super::roll::{Roll, Rolling, Units};
@@ -99,11 +99,14 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 /// The output comes [`delay`](Self::delay) frames after the motion: the smoothing looks as far
 /// ahead as it looks back. Equations: scraping-rolling eq. 1 to 7, and 15 to 19 for a ball.
 ///
-/// Accuracy: at least 110 dB of the `f64` reference for scrapes at 0.05 to 2 m/s, 106 dB for rolls
-/// (`cargo test -p host-tests --test scrape twin:: -- --nocapture`), 114 dB on maps up to an eighth
-/// of the shortest wave a frame (`maps::`). Cost on a Cortex-M4F: 269 to 399 cycles a frame, 664
-/// for a ball, 553 to 937 on a map, 8 at rest (`cargo test -p host-tests --test on_chip scrape::
-/// -- --nocapture`).
+/// Accuracy against the `f64` reference (`cargo test -p host-tests --test scrape -- --nocapture`):
+///
+/// - scrapes at 0.05 to 2 m/s: at least 110 dB; rolls: 106 dB;
+/// - on maps: 114 dB, at speeds of up to an eighth of the shortest wave a frame.
+///
+/// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
+/// -- --nocapture`): 270 at 0.2 m/s, 400 at 0.9 m/s, 364 at 2 m/s; a ball 665; on a map of a
+/// shortest wave of 62 µm 553 at 0.2 m/s, 936 at 0.35 m/s; at rest 8.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,
@@ -114,12 +117,13 @@ pub struct Scraper<'k> {
     roll: Option<Roll>,
     /// Slope of one unit, four times the largest rise of a frame.
     unit: f32,
-    /// Last motion that was none of rest, and velocity of the last one, in m/s.
+    /// Velocity in m/s of the last tick that was not at rest.
     heading: [f32; 2],
-    velocity: [f32; 2],
-    /// Signed speeds at the ends of the last four ticks.
     is_backwards: bool,
+    /// Signed speeds in m/s at the ends of the last four ticks.
     speeds: [f32; 4],
+    /// Motion over the plane at the end of the last tick, which maps need.
+    heading_end: HeadingEnd,
     alpha_m: f32,
     normal_n: f32,
     /// From m/s to points of the grid a frame: along a profile or the rows of a map, and across.
@@ -162,7 +166,7 @@ impl<'k> Scraper<'k> {
             roll: contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units)),
             unit,
             heading: [0.0; 2],
-            velocity: [0.0; 2],
+            heading_end: HeadingEnd::default(),
             is_backwards: false,
             speeds: [0.0; 4],
             alpha_m: 0.5 * (least_m + most_m),
@@ -204,10 +208,10 @@ impl<'k> Scraper<'k> {
             return Ok(());
         }
         let [_, earliest, earlier, before] = self.speeds;
-        let before_heading = self.heading;
+        let is_first_motion = self.heading == [0.0; 2];
         let speed = self.signed_speed(motion);
-        let is_map = self.contact.surface.map().is_some();
-        let heading = if is_map { self.heading_over_tick(before_heading, motion) } else { Heading::default() };
+        let is_map = self.contact.surface.rows() > 1;
+        let heading = if is_map { self.heading_over_tick(is_first_motion, motion) } else { Default::default() };
         self.speeds = [earliest, earlier, before, speed];
         let share = self.roll.as_ref().map_or(1.0, |roll| roll.normal_share(speed < 0.0));
         self.normal_n = motion.normal_n.max(0.0) * share;
@@ -270,17 +274,18 @@ impl<'k> Scraper<'k> {
         self.gate = to;
     }
 
-    /// Motion over the plane from the last motion to this one. Rest has the direction of the motion
-    /// before.
-    fn heading_over_tick(&mut self, before: [f32; 2], motion: Motion) -> Heading {
-        let (from, to) = (self.velocity, motion.velocity_m_per_s);
-        self.velocity = to;
-        let before = if before == [0.0; 2] { self.heading } else { before };
-        let [along, across] = self.steps;
-        Heading {
-            points: [[from[0] * along, to[0] * along], [from[1] * across, to[1] * across]],
-            directions: [weights_of(before), weights_of(self.heading)],
+    /// Motion over the plane at both ends of a tick. Rest has the direction of the motion before;
+    /// the first motion has its own from its begin on.
+    fn heading_over_tick(&mut self, is_first_motion: bool, motion: Motion) -> [HeadingEnd; 2] {
+        let (mut from, velocity) = (self.heading_end, motion.velocity_m_per_s);
+        let is_resting = velocity == [0.0; 2];
+        let directions = if is_resting { from.directions } else { weights_of(velocity) };
+        if is_first_motion {
+            from.directions = directions;
         }
+        let [along, across] = self.steps;
+        self.heading_end = HeadingEnd { points: [velocity[0] * along, velocity[1] * across], directions };
+        [from, self.heading_end]
     }
 
     /// Speed along the path: positive until the motion turns back on itself.

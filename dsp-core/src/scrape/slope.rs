@@ -4,7 +4,7 @@
 use super::difference::Difference;
 use super::kernel::{self, Limited};
 use super::path::{Pair, Segments, Steps};
-use super::plane::{Heading, Plane, wave_sum};
+use super::plane::{HeadingEnd, Plane};
 use super::walk::Walk;
 use super::way::Way;
 use crate::fixed;
@@ -33,8 +33,8 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile. A map
-    /// has no slopes, which hang on the way by which one has come.
+    /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile. Maps
+    /// have no slopes: the slope at a place depends on the path that has led there.
     pub(super) fn of(steps: f32, is_map: bool) -> Self {
         if steps <= if is_map { MAP_ONCE_STEPS } else { ONCE_STEPS } {
             return Self::Once;
@@ -64,7 +64,7 @@ pub(super) struct Ends {
     /// Limit α in metres.
     pub(super) alpha_m: [f32; 2],
     /// Motion over the plane, which maps need.
-    pub(super) heading: Heading,
+    pub(super) heading: [HeadingEnd; 2],
 }
 
 /// Preparation of a tick, by its way of reading.
@@ -103,8 +103,7 @@ impl<'k> Slope<'k> {
     /// Gives the rise of the slope in each frame, Q31 of `unit`, within ±2^30.
     pub(super) fn render(&mut self, ends: Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
         let mut way = Way::new(ends.steps);
-        let [from, to] = Way::limits(ends.steps);
-        let largest = from.max(to);
+        let largest = way.largest();
         let block = self.segments.block(largest);
         let mut tick = self.prepared(&ends, reading, unit);
         if let Some(plane) = &mut self.plane {
@@ -210,11 +209,10 @@ impl<'k> Slope<'k> {
         let means = self.surface.mean_per_m();
         let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
         let mut mean = shares.map(|share| mean(column) + share * (mean(column + 1) - mean(column)));
-        if let Some(map) = self.surface.map() {
-            let waves = map.mean_waves_per_m();
-            let wave = |column: usize, weights| waves.get(column).map_or(0.0, |waves| wave_sum(waves, weights));
-            for ((mean, share), weights) in mean.iter_mut().zip(shares).zip(ends.heading.directions) {
-                *mean += wave(column, weights) + share * (wave(column + 1, weights) - wave(column, weights));
+        if let Some(plane) = &self.plane {
+            for ((mean, share), end) in mean.iter_mut().zip(shares).zip(&ends.heading) {
+                let [first, second] = plane.means_per_m(column, end.directions);
+                *mean += first + share * (second - first);
             }
         }
         let mean = 0.5 * metres * (from * mean[0] + to * mean[1]);

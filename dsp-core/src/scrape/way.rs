@@ -23,9 +23,12 @@ impl Way {
         Self { speed: from - (step >> 1), step }
     }
 
-    /// Sizes of the speeds at a tick's ends.
-    pub(super) fn limits(ends: [f32; 2]) -> [i64; 2] {
-        ends.map(|points| (points * power_of_two(32)) as i64).map(i64::abs)
+    /// Size that no speed of a tick exceeds, of a way at the tick's begin.
+    pub(super) fn largest(self) -> i64 {
+        let from = self.speed + (self.step >> 1);
+        // The step is rounded towards 0, so that the last speed may lie so many units further.
+        let rest = TICK_FRAMES as i64;
+        from.abs().max((from + self.step * rest).abs() + rest)
     }
 
     /// Goes on by a number of frames, and gives how far the place has come.
@@ -36,8 +39,8 @@ impl Way {
         far
     }
 
-    /// Distance to a place so far behind that a walk from there is, in each frame, where the way
-    /// is after some quarters of the frame; and the walk's way.
+    /// Begin of the walk that is read after some quarters of each frame, as a distance behind the
+    /// way's own begin, and the way of that walk.
     pub(super) const fn behind(self, quarters: i64) -> (Steps, Self) {
         let rest = 4 - quarters;
         ((self.speed * rest) >> 2, Self { speed: self.speed - ((self.step * rest) >> 2), step: self.step })

@@ -95,6 +95,11 @@ impl<'a> Surface<'a> {
             let (expected, found) = (self.heights.len().next_multiple_of(self.rows()), self.heights.len());
             return Err(TableError::LengthMismatch { place, expected, found });
         }
+        if let Some(map) = self.map() {
+            // A walk over a map goes on by a few points a frame in both directions.
+            let steps = Range::new(0.5 * self.grid_step_m(), 2.0 * self.grid_step_m());
+            check_range(place, Field::StepM, map.row_step_m(), steps)?;
+        }
         // Curvature and slope are derived: any finite numbers above 0 in the limits' order will do.
         let header = self.header;
         let positive = Range::new(1e-30, 1e30);

@@ -45,14 +45,24 @@ pub fn fit(
     let (heights, note) = filled(heights)?;
     let mut notes: Vec<Note> = note.into_iter().collect();
     told(0.1);
-    let mut profiles = profiles(whole.as_ref().unwrap_or(&heights))?;
+    let is_map = options.source == Source::Map;
+    let of_rows = profiles(whole.as_ref().unwrap_or(&heights));
+    // A map of grooves has waves across its rows alone.
+    let of_columns = if is_map { profiles(&heights.turned()).ok() } else { None };
+    let (mut profiles, others, is_turned) = match (of_rows, of_columns) {
+        (Err(SurfaceError::Flat), Some(columns)) => (columns, None, true),
+        (rows, columns) => (rows?, columns, false),
+    };
     notes.extend(profiles.doubt());
-    if profiles.rows.len() > 1 && options.source != Source::Map {
+    if profiles.rows.len() > 1 && !is_map {
         notes.push(Note::Rows { rows: profiles.rows.len() });
     }
-    let (measured_m, note) = shortest_m(&profiles);
+    let (mut measured_m, mut note) = shortest_m(&profiles);
+    if let Some((across_m, across)) = others.as_ref().map(shortest_m).filter(|(across_m, _)| *across_m < measured_m) {
+        (measured_m, note) = (across_m, across);
+    }
     notes.extend(note);
-    if profiles.length_m() < LEAST_WAVES * measured_m {
+    if !is_map && profiles.length_m() < LEAST_WAVES * measured_m {
         return Err(SurfaceError::TooShort { length_m: profiles.length_m(), shortest_m: measured_m });
     }
     if let Some(radius_m) = options.tip_radius_m {
@@ -90,7 +100,7 @@ pub fn fit(
         }
     };
     told(0.9);
-    let report = report(&table, &surface);
+    let report = report(&table, &surface, is_turned);
     told(1.0);
     Ok((table, report, notes))
 }

@@ -12,6 +12,13 @@ pub struct Heights {
 }
 
 impl Heights {
+    /// Heights whose rows are the columns of these.
+    pub(super) fn turned(&self) -> Self {
+        let columns = 0..self.columns;
+        let values = columns.flat_map(|column| self.values.iter().skip(column).step_by(self.columns.max(1))).copied();
+        Self { step_m: self.step_m, columns: self.rows(), values: values.collect() }
+    }
+
     /// Number of rows; 1 for a profile.
     pub fn rows(&self) -> usize {
         self.values.len() / self.columns.max(1)

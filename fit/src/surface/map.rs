@@ -3,6 +3,7 @@
 use dsp_core::table::layout::{CURVATURES, GUARD, MapHeader, SurfaceHeader};
 use dsp_core::table::range;
 use fourier::Complex;
+use kit::GRID_POINTS_PER_WAVE;
 
 use super::error::SurfaceError;
 use super::heights::Heights;
@@ -11,16 +12,13 @@ use super::waves::{frequency_per_m, signal, spectrum};
 
 /// Least length of a map's sides in shortest waves.
 const LEAST_WAVES: f64 = 10.0;
-/// Points of a kit's grid for a shortest wave.
-const GRID_POINTS_PER_WAVE: f64 = 2.75;
-
-/// A map from a surface without its plane, of at most as many points as a kit takes: heights row by
-/// row in steps of `shortest_m / points_per_wave`, the number of rows, and the step in metres.
+/// Part of a surface as a periodic map that a kit takes: its heights row by row, the number of
+/// rows, and the step in metres, which is `shortest_m / points_per_wave`.
 ///
-/// It is cut where the fewest points were missing, for filled ones are smoother than measured ones,
-/// and among such places next to the middle.
-///
-/// Its edges are faded into one another. It has no wave shorter than `shortest_m` in any direction.
+/// The plane of least squares is taken off. The part is the one with the fewest missing points,
+/// since filled points are smoother than measured ones; of several such parts it is the one
+/// nearest to the middle. Opposite edges fade into each other. No wave is shorter than
+/// `shortest_m`, whatever its direction.
 ///
 /// # Errors
 /// [`SurfaceError::MapTooSmall`] for a side of less than 10 shortest waves.

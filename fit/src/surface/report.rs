@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::heights::Heights;
 use super::statistics::Curvature;
 use super::table::Table;
 use super::waves::{curvatures, excess_kurtosis, frequency_per_m, spectrum};
@@ -33,11 +34,12 @@ pub struct Report {
     pub step_m: f64,
     /// Number of rows; 1 for a profile.
     pub rows: usize,
-    /// Length of a row in metres, after which it begins anew.
+    /// Length in metres of a row, of a column in a map whose rows are flat, after which it begins
+    /// anew.
     pub length_m: f64,
     /// Rms of the table's heights in metres.
     pub rms_m: f64,
-    /// Rms of the table's curvature along its rows in 1/m.
+    /// Rms of the table's curvature along its rows in 1/m, across them where rows are flat.
     pub curvature_rms_per_m: f64,
     /// Excess kurtosis of the surface's curvature and of the table's; 0 for a normal distribution.
     pub kurtosis: [f64; 2],
@@ -54,10 +56,13 @@ pub struct Report {
     pub flash_bytes: usize,
 }
 
-/// Measures of a table against the curvature of the surface it was made of.
-pub(super) fn report(table: &Table, surface: &Curvature) -> Report {
-    let heights: Vec<f64> = table.heights.iter().map(|height| f64::from(*height) * table.unit_m).collect();
-    let columns = heights.len() / table.rows;
+/// Measures of a table against the curvature of the surface it was made of; those of a map whose
+/// rows are flat are taken across its rows, `is_turned`.
+pub(super) fn report(table: &Table, surface: &Curvature, is_turned: bool) -> Report {
+    let values = table.heights.iter().map(|height| f64::from(*height) * table.unit_m).collect();
+    let columns = table.heights.len() / table.rows;
+    let heights = Heights { step_m: table.step_m, columns, values };
+    let Heights { columns, values: heights, .. } = if is_turned { heights.turned() } else { heights };
     let mean_square = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64;
     let all: Vec<f64> = heights.chunks_exact(columns).flat_map(|row| curvatures(row, table.step_m)).collect();
     let power = table_power(&all, columns, table.step_m);

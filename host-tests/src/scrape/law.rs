@@ -102,7 +102,8 @@ impl Law {
     }
 }
 
-/// Path at [`OVERSAMPLING`] times the rate: its limited curvature `S''`, 1/m, and its speed in m/s.
+/// Limited curvature `S''` in 1/m and speed in m/s along a path, at [`OVERSAMPLING`] times the
+/// rate.
 pub(super) struct Path {
     pub(super) curvatures: Vec<f64>,
     pub(super) speeds: Vec<f64>,

@@ -22,6 +22,13 @@ fn cycles(scrapes: &Scrapes, striker: &str, rolls: bool, velocity_m_per_s: [f32;
             worst = worst.max(frame);
         }
     }
+    // The parts of docs/scraping.md: by function, each without those that it calls. The kit's check
+    // comes before the first tick.
+    let parts = chip.machine().profile();
+    let parts = parts.iter().filter(|part| part.name.contains("scrape") && !part.name.contains("Powers::new"));
+    for part in parts.take(8) {
+        println!("  {}: {:.1}", part.name, part.cost.nominal as f64 / (320 * TICK_FRAMES) as f64);
+    }
     [sum / 300.0, worst]
 }
 
@@ -57,17 +64,17 @@ fn frame_costs_what_docs_scraping_says() {
     let scrapes = Scrapes::new();
     // Striker, whether it rolls, speed in m/s, cycles a frame on average and at most.
     for (striker, rolls, speed, mean, worst) in [
-        ("stick", false, 0.2, 269.0, 462.0),
-        ("stick", false, 0.9, 399.0, 673.0),
-        ("stick", false, 2.0, 364.0, 585.0),
-        ("ball", true, 0.2, 664.0, 848.0),
+        ("stick", false, 0.2, 270.0, 462.0),
+        ("stick", false, 0.9, 400.0, 673.0),
+        ("stick", false, 2.0, 364.0, 584.0),
+        ("ball", true, 0.2, 665.0, 848.0),
     ] {
         let [found, dearest] = cycles(&scrapes, striker, rolls, [speed, 0.0]);
         println!("{striker} at {speed} m/s: {found:.0} cycles a frame, at most {dearest:.0}");
         assert!((found - mean).abs() < 0.03 * mean && dearest < 1.03 * worst, "{striker} at {speed} m/s");
     }
     let map = Scrapes::with_map("mug", Waves::new().surface("waves"));
-    for (speed, mean, worst) in [(0.2, 553.0, 887.0), (0.35, 937.0, 1473.0)] {
+    for (speed, mean, worst) in [(0.2, 553.0, 886.0), (0.35, 936.0, 1472.0)] {
         let [found, dearest] = cycles(&map, "stick", false, [0.8 * speed, 0.6 * speed]);
         println!("stick on a map at {speed} m/s: {found:.0} cycles a frame, at most {dearest:.0}");
         assert!((found - mean).abs() < 0.03 * mean && dearest < 1.03 * worst, "map at {speed} m/s");

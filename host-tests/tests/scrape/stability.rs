@@ -76,8 +76,8 @@ fn hour_at_rest_is_silent_and_the_stroke_behind_it_sounds_as_at_first() {
 /// Smoothing in seconds, seed, whether the contact rolls, and the normal forces.
 type Rest = (f32, u32, bool, [f32; 2]);
 
-/// Parameters of a contact over the whole range of a kit: pad, of which `pan` has a map, numbers of
-/// the force, limits α, rest.
+/// Parameters of a contact over the whole range of a kit: pad, numbers of the force, limits α, and
+/// the rest. The pad `pan` has a map, the others profiles.
 fn parameters() -> impl Strategy<Value = (&'static str, [f32; 4], [f32; 2], Rest)> {
     let pad = prop::sample::select(vec!["mug", "marimba", "pan", "glockenspiel"]);
     let force = (1e-6..100.0f32, 0.0..1e4f32, 0.25..4.0f32, 0.05..8.0f32).prop_map(<[f32; 4]>::from);

@@ -1,8 +1,8 @@
 //! Curvatures of a map on the grid of its binary form, from its heights.
 //!
 //! In the direction (c, s) the curvature is `z_xx c² + 2 z_xy c s + z_yy s²`. Splines of the three
-//! are held, not one of the heights: a second derivative of a height's spline has images of
-//! -10 dB.
+//! are held, not one of the heights. The second derivative of a cubic spline through heights has
+//! the image of a wave of f cycles a point at `(f/(1 - f))²` of it: -10 dB for the shortest wave.
 
 use std::f64::consts::PI;
 
@@ -11,9 +11,10 @@ use dsp_core::table::range;
 use fourier::Complex;
 use zerocopy::byteorder::little_endian::{F32, U32};
 
-use super::slopes::{POINTS_A_WAVE, Tables, bins, guarded, quantized, spline, values};
+use super::slopes::Tables;
+use super::waves::{derivative, guarded, quantized, spline, values};
 use crate::error::KitError;
-use crate::surface::Surface;
+use crate::surface::{GRID_POINTS_PER_WAVE, Surface};
 
 /// Points of the grid on which means are taken, for each of the map's own.
 const OVERSAMPLING: usize = 2;
@@ -23,8 +24,8 @@ const DIRECTIONS: usize = 12;
 /// Derivatives along a row and across rows of the curvatures `z_xx`, `z_xy` and `z_yy`.
 const ORDERS: [[i32; 2]; CURVATURES] = [[2, 0], [1, 1], [0, 2]];
 
-/// Derives the tables of a map; `limits_m` gives the limits for an rms curvature, which is the mean
-/// over all directions. `None` for a flat surface.
+/// Derives the tables of a map. `limits_m` gives the limits α for an rms curvature, here that over
+/// all directions. `None` for a flat surface.
 pub(super) fn tables(
     surface: &Surface,
     limits_m: impl FnOnce(f64) -> Result<[f64; 2], KitError>,
@@ -70,11 +71,11 @@ pub(super) fn largest_curvature_per_m(surface: &Surface) -> f64 {
     xx.iter().zip(&xy).zip(&yy).map(principal).fold(0.0, f64::max)
 }
 
-/// Points of the grid over a length; a wrong wave, which the reader refuses, must not take all
-/// memory.
+/// Points of the grid over a length, at most twice as many as heights: a shortest wave that the
+/// reader refuses must not take all memory.
 fn points(length_m: f64, shortest_m: f64, heights: usize) -> usize {
     let least = range::GRID_POINTS;
-    ((POINTS_A_WAVE * length_m / shortest_m).ceil() as usize).clamp(least, least.max(2 * heights))
+    ((GRID_POINTS_PER_WAVE * length_m / shortest_m).ceil() as usize).clamp(least, least.max(2 * heights))
 }
 
 /// Periodic heights in metres, row by row.
@@ -114,19 +115,6 @@ impl Map {
             map
         })
     }
-}
-
-/// Waves of a derivative of a periodic line; the highest one of an even number of points, whose
-/// phase is not known, is left out.
-fn derivative(line: Vec<f64>, length_m: f64, order: i32) -> Vec<Complex<f64>> {
-    let even = line.len().is_multiple_of(2);
-    let mut bins = bins(line);
-    let last = bins.len() - 1;
-    for (bin, value) in bins.iter_mut().enumerate() {
-        let wave = Complex::new(0.0, std::f64::consts::TAU * bin as f64 / length_m);
-        *value *= if even && bin == last { Complex::new(0.0, 0.0) } else { wave.powi(order) };
-    }
-    bins
 }
 
 /// Rms over a map of the curvature in all directions.

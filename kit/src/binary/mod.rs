@@ -8,6 +8,7 @@ mod noise;
 mod read;
 mod slopes;
 mod surface;
+mod waves;
 
 pub use build::build;
 pub use read::read;

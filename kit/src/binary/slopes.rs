@@ -8,11 +8,10 @@
 use dsp_core::table::layout::{GRID_MULTIPLE, GUARD, LIMITS, MapHeader, OCTAVES};
 use fourier::Complex;
 
+use super::waves::{bins, derivative, guarded, quantized, spline, values};
 use crate::error::KitError;
-use crate::surface::Surface;
+use crate::surface::{GRID_POINTS_PER_WAVE, Surface};
 
-/// Points of the grid in a shortest wave.
-pub(super) const POINTS_A_WAVE: f64 = 2.75;
 /// Points of the fine grid for each of the grid.
 const OVERSAMPLING: usize = 32;
 /// Highest frequency of an octave in cycles a point, and the share of it from which on waves fade.
@@ -45,13 +44,13 @@ impl Tables {
     ) -> Result<Option<Self>, KitError> {
         let points = surface.heights.len();
         let length_m = points as f64 * f64::from(surface.step_m);
-        let grid = (POINTS_A_WAVE * length_m / f64::from(surface.shortest_m)).ceil() as usize;
+        let grid = (GRID_POINTS_PER_WAVE * length_m / f64::from(surface.shortest_m)).ceil() as usize;
         // A wrong wave, which the reader refuses, must not take all memory.
         let grid =
             grid.clamp(GRID_MULTIPLE, 2 * points.next_multiple_of(GRID_MULTIPLE)).next_multiple_of(GRID_MULTIPLE);
         let unit_m = f64::from(surface.unit_m);
         let heights = surface.heights.iter().map(|&height| f64::from(height) * unit_m).collect();
-        let spectrum = curvatures(heights, length_m);
+        let spectrum = derivative(heights, length_m, 2);
         let curvature_rms_per_m = (2.0 * spectrum.iter().map(Complex::norm_sqr).sum::<f64>()).sqrt();
         let is_flat = surface.heights.iter().all(|height| Some(height) == surface.heights.first());
         if is_flat || !(curvature_rms_per_m > 0.0 && curvature_rms_per_m.is_finite()) {
@@ -104,7 +103,7 @@ impl Tables {
 /// places.
 pub(super) fn largest_curvature_per_m(surface: &Surface) -> f64 {
     let heights = surface.heights.iter().map(|&height| f64::from(height) * f64::from(surface.unit_m)).collect();
-    let spectrum = curvatures(heights, surface.heights.len() as f64 * f64::from(surface.step_m));
+    let spectrum = derivative(heights, surface.heights.len() as f64 * f64::from(surface.step_m), 2);
     values(&spectrum, 4 * surface.heights.len())
         .into_iter()
         .fold(0.0, |largest, curvature| largest.max(curvature.abs()))
@@ -133,70 +132,4 @@ fn mix_gain(curvature: &[f64], [low_m, high_m]: [f64; 2]) -> f64 {
 fn share(bin: usize, points: usize) -> f64 {
     let position = ((EDGE - bin as f64 / points as f64) / (EDGE * (1.0 - FADE_FROM))).clamp(0.0, 1.0);
     position * position * (3.0 - 2.0 * position)
-}
-
-/// Complex amplitudes of a periodic signal, from the mean up.
-pub(super) fn bins(mut samples: Vec<f64>) -> Vec<Complex<f64>> {
-    let transform = fourier::forward(samples.len());
-    let mut bins = transform.make_output_vec();
-    let scale = 1.0 / samples.len() as f64;
-    transform.process(&mut samples, &mut bins).expect("slices of the plan's lengths");
-    bins.iter_mut().for_each(|bin| *bin *= scale);
-    bins
-}
-
-/// Amplitudes of the curvature; the highest bin of an even number of heights, whose phase is not
-/// known, is left out.
-fn curvatures(heights: Vec<f64>, length_m: f64) -> Vec<Complex<f64>> {
-    let even = heights.len().is_multiple_of(2);
-    let mut bins = bins(heights);
-    let last = bins.len() - 1;
-    for (bin, value) in bins.iter_mut().enumerate() {
-        let wave = std::f64::consts::TAU * bin as f64 / length_m;
-        *value *= if even && bin == last { 0.0 } else { -wave * wave };
-    }
-    bins
-}
-
-/// Samples of a periodic signal at a number of points; waves that they cannot hold are left out.
-pub(super) fn values(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
-    let transform = fourier::inverse(points);
-    let mut input = transform.make_input_vec();
-    let last = points / 2;
-    for (place, value) in input.iter_mut().zip(amplitudes).take(last) {
-        *place = *value;
-    }
-    if let Some(mean) = input.first_mut() {
-        mean.im = 0.0;
-    }
-    let mut output = transform.make_output_vec();
-    transform.process(&mut input, &mut output).expect("slices of the plan's lengths");
-    output
-}
-
-/// Coefficients of the cubic spline that has the signal's amplitudes: the spline's own response,
-/// sinc^4, is taken out.
-pub(super) fn spline(amplitudes: &[Complex<f64>], points: usize) -> Vec<f64> {
-    let response = |bin: usize| {
-        let x = std::f64::consts::PI * bin as f64 / points as f64;
-        if bin == 0 { 1.0 } else { (x.sin() / x).powi(4) }
-    };
-    let without: Vec<_> =
-        amplitudes.iter().take(points / 2).enumerate().map(|(bin, value)| value / response(bin)).collect();
-    values(&without, points)
-}
-
-/// Periodic coefficients with their guard: the last one before the first, and the first two behind
-/// the last.
-pub(super) fn guarded(coefficients: Vec<f64>) -> Vec<f64> {
-    let last = coefficients.last().copied();
-    let first = coefficients.clone();
-    last.into_iter().chain(coefficients).chain(first.into_iter().take(GUARD - 1)).collect()
-}
-
-/// Numbers as 16-bit integers, and the value of one unit.
-pub(super) fn quantized(values: &[f64]) -> (Vec<i16>, f64) {
-    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let unit = f64::from((largest / f64::from(i16::MAX)) as f32);
-    (values.iter().map(|value| (value / unit).round() as i16).collect(), unit)
 }

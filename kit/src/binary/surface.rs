@@ -12,6 +12,9 @@ use crate::content::{Object, Striker};
 use crate::error::{Fault, KitError};
 use crate::surface::{ObjectSurface, Roll, Scrape, Surface};
 
+/// Least length of a map's side in shortest waves: 8 points of the grid.
+const LEAST_WAVES: f64 = 3.0;
+
 impl Build<'_> {
     /// Section of a surface: its heights, and the curvature and slopes that are derived from them.
     pub(super) fn surface(&self, index: usize, surface: &Surface) -> Result<Vec<u8>, KitError> {
@@ -22,6 +25,11 @@ impl Build<'_> {
         if !surface.heights.len().is_multiple_of(surface.rows) {
             let fault = Fault::Uneven { heights: surface.heights.len(), rows: surface.rows };
             return Err(self.fault(place, fault));
+        }
+        let side_m = surface.rows.min(surface.heights.len() / surface.rows) as f64 * f64::from(surface.step_m);
+        let shortest_m = f64::from(surface.shortest_m);
+        if surface.rows > 1 && side_m < LEAST_WAVES * shortest_m {
+            return Err(self.fault(place, Fault::Narrow { side_m, shortest_m }));
         }
         let limits_m = |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m);
         let tables = if surface.rows > 1 { map::tables(surface, limits_m) } else { Tables::new(surface, limits_m) };

@@ -14,11 +14,11 @@ pub(crate) fn surface(
 ) -> impl Strategy<Value = Surface> {
     let heights = prop::collection::vec(any::<i16>(), range::HEIGHTS[0]..600)
         .prop_filter("not flat", |heights| heights.iter().any(|height| *height != heights[0]));
-    // A profile, or a map of some rows; 256 heights are a whole number of each.
-    let rows = prop_oneof![Just(1_usize), Just(2), Just(16), Just(64)];
-    let shortest = 2.0..200.0_f32;
-    (source, licence, 1e-7..1e-4_f32, 1e-12..1e-6_f32, shortest, (heights, rows)).prop_map(
-        move |(source, licence, step_m, unit_m, shortest, (heights, rows))| Surface {
+    // Rows, and the shortest wave in steps: a map of 16 rows and as many columns at least has room
+    // for three waves of 5 steps.
+    let shape = prop_oneof![(Just(1_usize), 2.0..200.0_f32), (Just(16), 2.0..5.0_f32)];
+    (source, licence, 1e-7..1e-4_f32, 1e-12..1e-6_f32, shape, heights).prop_map(
+        move |(source, licence, step_m, unit_m, (rows, shortest), heights)| Surface {
             name: name.clone(),
             source,
             licence,

@@ -1,7 +1,7 @@
 //! Surfaces, and strikers that scrape and roll, in text and bytes: invalid ones are refused with
 //! their place.
 
-use dsp_core::table::layout::{ScrapeRecord, SurfaceHeader, tag};
+use dsp_core::table::layout::{MapHeader, ScrapeRecord, SurfaceHeader, tag};
 use dsp_core::table::{Kit as TableView, range};
 use kit::binary;
 use zerocopy::FromBytes;
@@ -102,6 +102,30 @@ fn flat_surface_and_one_too_large_for_a_board_are_refused_by_name() {
     assert!(message.contains("tile") && message.contains("all are the same"), "{message}");
     let message = sample::parse(&text(8000)).expect_err("a large surface").to_string();
     assert!(message.contains("tile") && message.contains("65536"), "{message}");
+}
+
+#[test]
+fn wrong_maps_are_refused_by_name() {
+    let message = refusal("step_m = 2e-6", "step_m = 2e-6\nrows = 7");
+    assert!(message.contains("300") && message.contains("7 rows"), "{message}");
+    let message = refusal("step_m = 2e-6", "step_m = 2e-6\nrows = 2");
+    assert!(message.contains("three shortest waves"), "{message}");
+    let message = refusal("step_m = 2e-6", "step_m = 2e-6\nrows = 300");
+    assert!(message.contains("rows") && message.contains("150"), "{message}");
+    // Its table is right, and other bytes of it are refused.
+    let kit = sample::parse(&text(300).replace("step_m = 2e-6", "step_m = 2e-6\nrows = 15")).expect("a right text");
+    let bytes = binary::build(&kit).expect("a right map");
+    let with = |change: &dyn Fn(&mut MapHeader)| {
+        let (mut body, section) = section_of(&bytes, tag::SURFACE);
+        let (_, rest) = SurfaceHeader::mut_from_prefix(&mut body[section]).expect("a header");
+        change(MapHeader::mut_from_prefix(rest).expect("a second header").0);
+        let bytes = signed(&body);
+        TableView::parse(&bytes).expect("the rest is right").check_surfaces()
+    };
+    with(&|_| ()).expect("a right map");
+    with(&|map| map.grid_rows = (map.grid_rows.get() + 1).into()).expect_err("more rows than there are");
+    with(&|map| map.grid_rows = u32::MAX.into()).expect_err("more rows than can be");
+    with(&|map| map.mean_waves_per_m[1][2] = f32::NAN.into()).expect_err("no number");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Motions: their files, paths, normal forces and trials, and `malleus motion` as its user calls
 //! it.
 
+mod maps;
 mod normal;
 mod paths;
 mod play;

@@ -11,8 +11,9 @@ use super::{TICK_FRAMES, ramp};
 
 /// Points a frame up to which the curvature is read once, and twice.
 const ONCE_POINTS: f32 = 0.55;
-const MAP_ONCE_POINTS: f32 = 0.25;
 const TWICE_POINTS: f32 = 0.9;
+/// Points a frame up to which a map is read once; above it is read twice at any speed.
+const MAP_ONCE_POINTS: f32 = 0.25;
 
 /// Way of reading a surface over a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
