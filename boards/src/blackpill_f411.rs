@@ -35,7 +35,7 @@ impl Board for BlackpillF411 {
     const STAGE_CYCLES: u32 = 17_600;
     /// Biquads and a room find too little time beside strikes at 96 MHz, and would take 69 of the
     /// 336 KB of flash.
-    const BUILT: Built = Built { biquads: false, room: false };
+    const BUILT: Built = Built { biquads: false, room: false, scrapes: false };
     const WORDS: Words = Words { fast: 12_320, bulk: 0 };
     const ROOM_SAMPLES: usize = 0;
 }

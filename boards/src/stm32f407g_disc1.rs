@@ -31,7 +31,7 @@ impl Board for Stm32f407gDisc1 {
     const WORST_PERCENT: u32 = 192;
     const FRAME_WORST_PERCENT: u32 = 120;
     const STAGE_CYCLES: u32 = 48_500;
-    const BUILT: Built = Built { biquads: true, room: true };
+    const BUILT: Built = Built { biquads: true, room: true, scrapes: false };
     const WORDS: Words = Words { fast: 7_500, bulk: 12_780 };
     const ROOM_SAMPLES: usize = 8_960;
 }

@@ -42,6 +42,7 @@ impl LeftOut {
             Some(Stage::Biquads(pad)) => (6, pad),
             Some(Stage::Room) => (7, 0),
             Some(Stage::Positions(pad)) => (8, pad),
+            Some(Stage::Scrapes) => (9, 0),
         };
         let lack = match self.lack {
             Lack::Memory => 1,
@@ -64,6 +65,7 @@ impl LeftOut {
             6 => Some(Stage::Biquads(pad)),
             7 => Some(Stage::Room),
             8 => Some(Stage::Positions(pad)),
+            9 => Some(Stage::Scrapes),
             _ => return None,
         };
         let lack = match lack {
@@ -84,6 +86,7 @@ impl From<LoadError> for LeftOut {
             LoadError::TooDear { stage, .. } => (Some(stage), Lack::Time),
             LoadError::NotBuilt { stage } => (Some(stage), Lack::Code),
             LoadError::BeyondNyquist { stage, .. } => (Some(stage), Lack::Rate),
+            LoadError::SurfaceTable(_) => (Some(Stage::Scrapes), Lack::Rate),
             LoadError::Room(_) => (Some(Stage::Room), Lack::Rate),
             LoadError::DynamicFilter { pad, .. } => (Some(Stage::DynamicFilter(pad)), Lack::Rate),
             LoadError::Biquads { pad, .. } => (Some(Stage::Biquads(pad)), Lack::Rate),

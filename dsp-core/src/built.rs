@@ -7,9 +7,12 @@ pub struct Built {
     pub biquads: bool,
     /// True if a room can be loaded: 34 KB on a Cortex-M4.
     pub room: bool,
+    /// True if contacts can scrape and roll.
+    pub scrapes: bool,
 }
 
 impl Built {
-    /// Stages of this build: its cargo features `biquads` and `room`.
-    pub const HERE: Self = Self { biquads: cfg!(feature = "biquads"), room: cfg!(feature = "room") };
+    /// Stages of this build: its cargo features `biquads`, `room` and `scrapes`.
+    pub const HERE: Self =
+        Self { biquads: cfg!(feature = "biquads"), room: cfg!(feature = "room"), scrapes: cfg!(feature = "scrapes") };
 }

@@ -1,6 +1,8 @@
-//! Events: strikes, chokes, releases and shed decisions with their times.
+//! Events: strikes, chokes, releases, motions and shed decisions with their times.
 
 use core::fmt;
+
+use crate::scrape::{Motion, MotionError};
 
 /// Point in time: a frame counted from the engine's start, and a fraction of that frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,7 +31,7 @@ impl Time {
 }
 
 /// Action of an event.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Action {
     /// A contact begins.
     #[default]
@@ -48,8 +50,25 @@ pub enum Action {
     /// The whole sound goes to a level, a gain of 0 to 1 that stands in the event's velocity, on a
     /// ramp of 20 ms. The event's pad does not matter.
     Level,
-    /// All sound ends within 5 ms. The event's pad does not matter.
+    /// All sound ends within 5 ms, with all contacts that go on. The event's pad does not matter.
     Silence,
+    /// The striker touches the pad's surface, at rest at the event's position, from the tick on
+    /// that begins at the event or next. It scrapes or rolls as [`Action::Move`] says, until a
+    /// [`Action::Lift`].
+    Touch {
+        /// True if it rolls, false if it scrapes.
+        rolls: bool,
+        /// Least and largest normal force in newtons, for which the striker's largest and least
+        /// limits α stand (scraping-rolling eq. 7). Equal ones give the mean of both limits. A
+        /// rolling ball weighs the mean.
+        normal_n: [f32; 2],
+    },
+    /// The striker that touches the pad moves, and the event's position is its place along the
+    /// object: over the tick that begins at the event or next, motion and place go in straight
+    /// lines to these, and stay there until they are told anew.
+    Move(Motion),
+    /// The striker leaves the pad's surface, from the tick on that begins at the event or next.
+    Lift,
 }
 
 /// One event on one pad.
@@ -80,9 +99,19 @@ impl Event {
         action: Action::Strike,
     };
 
-    /// True for a choke or a release. Both act on a tick, so that no run of frames ends at them.
+    /// True for a choke or a release.
     pub const fn is_choke_or_release(&self) -> bool {
         matches!(self.action, Action::Choke | Action::Release)
+    }
+
+    /// True if the event tells of a contact that goes on.
+    pub const fn is_motion(&self) -> bool {
+        matches!(self.action, Action::Touch { .. } | Action::Move(_) | Action::Lift)
+    }
+
+    /// True if the event acts on a tick, so that no run of frames ends at it.
+    pub const fn acts_on_tick(&self) -> bool {
+        self.is_choke_or_release() || self.is_motion()
     }
 }
 
@@ -139,6 +168,24 @@ pub enum EventError {
         /// Position of the event.
         value: f32,
     },
+    /// The motion is refused.
+    Motion {
+        /// Index of the event in the slice.
+        index: usize,
+        /// Reason.
+        error: MotionError,
+    },
+    /// The pad's object has no surface, or the striker does not scrape or roll.
+    NoSurface {
+        /// Index of the event in the slice.
+        index: usize,
+        /// Pad that is touched.
+        pad: u8,
+        /// Striker that touches it.
+        striker: u8,
+        /// True if it is to roll.
+        rolls: bool,
+    },
     /// The direct force names a pad that the kit does not have, or is not as long as the block.
     Direct {
         /// Pad of the direct force.
@@ -167,6 +214,14 @@ impl fmt::Display for EventError {
             }
             Self::Velocity { index, value } => write!(f, "event {index}: velocity = {value}: must be from 0 to 1"),
             Self::Position { index, value } => write!(f, "event {index}: position = {value}: must be from 0 to 1"),
+            Self::Motion { index, error } => write!(f, "event {index}: {error}"),
+            Self::NoSurface { index, pad, striker, rolls } => {
+                let does = if rolls { "roll" } else { "scrape" };
+                write!(
+                    f,
+                    "event {index}: striker {striker} cannot {does} on pad {pad}: the object needs a surface, and the striker its table [striker.{does}]"
+                )
+            }
             Self::Direct { pad, frames, block } => {
                 write!(
                     f,

@@ -1,6 +1,7 @@
-//! The contacts that are under way in an engine.
+//! The contacts that are under way in an engine: impacts, and the force of contacts that go on.
 
 use super::law::Impact;
+use super::ongoing::OngoingForces;
 use super::pulse::{Asymmetry, Pulse, WHOLE};
 use super::shape::{self, SHAPE_BITS};
 use crate::fixed;
@@ -117,49 +118,68 @@ impl Contact {
     }
 }
 
-/// Contacts under way in an engine, in the order in which they began.
+/// Contacts under way in an engine: impacts in the order in which they began, and contacts that go
+/// on.
 #[derive(Debug)]
 pub struct ActiveContacts<'m> {
     contacts: &'m mut [Contact],
     count: usize,
+    /// Force of contacts that go on.
+    pub ongoing: OngoingForces<'m>,
 }
 
 impl<'m> ActiveContacts<'m> {
     /// Makes a set without memory for any contact.
     pub const fn none() -> Self {
-        Self { contacts: &mut [], count: 0 }
+        Self { contacts: &mut [], count: 0, ongoing: OngoingForces::none() }
     }
 
-    /// Takes memory for at most `capacity` contacts under way.
+    /// Takes memory for at most `capacity` impacts under way, and for no contacts that go on.
     ///
     /// # Errors
     /// [`OutOfMemory`].
     pub fn take(memory: &mut Memory<'m>, capacity: usize) -> Result<Self, OutOfMemory> {
-        Ok(Self { contacts: memory.take(Region::Fast, capacity, || Contact::OVER)?, count: 0 })
+        let contacts = memory.take(Region::Fast, capacity, || Contact::OVER)?;
+        Ok(Self { contacts, count: 0, ongoing: OngoingForces::none() })
     }
 
-    /// Number of contacts under way.
+    /// Number of impacts under way.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Number of contacts under way on a pad.
-    pub fn count_on(&self, pad: u8) -> usize {
-        self.under_way().iter().filter(|contact| contact.pad == pad).count()
+    /// True if any force acts.
+    #[inline(always)]
+    pub fn is_any(&self) -> bool {
+        self.count > 0 || self.ongoing.is_any()
+    }
+
+    /// True if any force acts on a pad.
+    #[inline(always)]
+    pub fn is_any_on(&self, pad: u8) -> bool {
+        self.under_way().iter().any(|contact| contact.pad == pad) || self.ongoing.is_any_on(pad)
+    }
+
+    /// True if any force acts on a pad by one of its strikers.
+    pub fn is_any_by(&self, pad: u8, striker: u8) -> bool {
+        let is_by = |contact: &Contact| contact.pad == pad && contact.striker == striker;
+        self.under_way().iter().any(is_by) || self.ongoing.is_any_by(pad, striker)
     }
 
     /// True if a contact under way on a pad drives the position slot.
+    #[inline(always)]
     pub fn is_any_in(&self, pad: u8, slot: u8) -> bool {
-        self.under_way().iter().any(|contact| contact.pad == pad && contact.slot == slot)
+        let is_in = |contact: &Contact| contact.pad == pad && contact.slot == slot;
+        self.under_way().iter().any(is_in) || self.ongoing.is_any_in(pad, slot)
     }
 
     /// Bounds of the force that the contacts on a pad still bring.
     ///
-    /// Returns the bound of the sum of their force in bus steps, and the longest contact in
-    /// samples.
+    /// Returns the bound of the sum of their force in bus steps, and the longest impact in samples.
+    /// Of contacts that go on it counts the force in the tick's rest.
     pub fn ahead(&self, pad: u8) -> (f32, f32) {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
-        contacts.fold((0.0, 0.0), |(input, longest), contact| {
+        contacts.fold((self.ongoing.input(pad), 0.0), |(input, longest), contact| {
             // The upper words are as precise as the floats.
             let step = ((contact.step >> 32) as u32).max(1) as f32;
             let left = (contact.end().saturating_sub(contact.phase) >> 32) as u32 as f32 / step + 1.0;
@@ -168,7 +188,7 @@ impl<'m> ActiveContacts<'m> {
         })
     }
 
-    /// Number of frames with force within a run, added up over the contacts of a pad.
+    /// Number of frames with force within a run, added up over the impacts of a pad.
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
         let contacts = self.under_way().iter().filter(|contact| contact.pad == pad);
         contacts.map(|contact| contact.frames_left().min(frames)).sum()
@@ -179,9 +199,10 @@ impl<'m> ActiveContacts<'m> {
         for contact in self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad) {
             contact.phase = contact.phase.saturating_add(contact.step.saturating_mul(frames as u64));
         }
+        self.ongoing.pass(pad, frames);
     }
 
-    /// Adds a contact. Returns true if it took the place of the contact nearest to its end.
+    /// Adds an impact. Returns true if it took the place of the contact nearest to its end.
     pub fn begin(&mut self, contact: Contact) -> bool {
         if let Some(place) = self.contacts.get_mut(self.count) {
             *place = contact;
@@ -199,6 +220,7 @@ impl<'m> ActiveContacts<'m> {
     pub fn add_force_of_pad(&mut self, pad: u8, force: &mut [i32]) {
         let own = self.contacts.iter_mut().take(self.count).filter(|contact| contact.pad == pad);
         own.for_each(|contact| contact.add_to(force));
+        self.ongoing.add_of_pad(pad, force);
     }
 
     /// Adds the force of a pad's contacts with a striker in a position slot to a run, and advances
@@ -206,14 +228,16 @@ impl<'m> ActiveContacts<'m> {
     pub fn add_force(&mut self, pad: u8, striker: u8, slot: u8, force: &mut [i32]) {
         let own = |contact: &&mut Contact| contact.pad == pad && contact.striker == striker && contact.slot == slot;
         self.contacts.iter_mut().take(self.count).filter(own).for_each(|contact| contact.add_to(force));
+        self.ongoing.add(pad, striker, slot, force);
     }
 
-    /// Removes all contacts.
+    /// Ends all force at once.
     pub fn clear(&mut self) {
         self.count = 0;
+        self.ongoing.clear();
     }
 
-    /// Removes contacts that are over; the others keep their order.
+    /// Removes impacts that are over; the others keep their order.
     pub fn clear_finished(&mut self) {
         let mut kept = 0;
         for index in 0..self.count {

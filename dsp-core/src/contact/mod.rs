@@ -7,7 +7,8 @@
 //! ```
 //!
 //! [`law`] turns a velocity into peak and contact time. [`pulse`] is the shape over the contact.
-//! [`active`] keeps the contacts that are under way, for all pads of an engine.
+//! [`active`] keeps the contacts that are under way, for all pads of an engine: impacts, and
+//! contacts that go on ([`scrape`](crate::scrape)), whose force comes a tick at a time.
 //!
 //! A Hertz pulse is asymmetric by the striker's restitution, so that its spectrum has no zeros for
 //! a harder strike to sweep through a mode. Each sample of its force is the mean over the interval
@@ -15,9 +16,11 @@
 
 pub mod active;
 pub mod law;
+mod ongoing;
 pub mod pulse;
 mod shape;
 
 pub use active::{ActiveContacts, Contact};
 pub use law::StrikerLaw;
+pub use ongoing::OngoingForces;
 pub use pulse::Pulse;

@@ -110,16 +110,19 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Counts of a tick's beginning.
     #[inline(never)]
-    pub(super) fn beginning(&self) -> [(CostItem, u32); 5] {
+    pub(super) fn beginning(&self) -> [(CostItem, u32); 6] {
         if self.idle {
             let nothing = (CostItem::WakingPad, 0);
-            return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing];
+            return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing, nothing];
         }
-        let (mut waking, mut due_groups, mut reached) = (0, 0, 0);
+        let (mut waking, mut due_groups, mut driven_groups, mut reached) = (0, 0, 0, 0);
         let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
         for voice in awake.filter(|voice| !voice.rests()) {
             waking += 1;
-            due_groups += if voice.is_guard_due() { voice.group_count() as u32 } else { 0 };
+            let groups = |bank: &Bank<'_>| if bank.is_driven_guard_due() { bank.group_count() } else { 0 };
+            let driven: u32 = voice.banks().iter().map(groups).sum();
+            due_groups += if driven == 0 && voice.is_guard_due() { voice.group_count() as u32 } else { 0 };
+            driven_groups += driven;
             for bank in voice.banks().iter().filter(|bank| bank.is_being_reached()) {
                 reached += bank.modes_to_reach() as u32; // banks count in 16 bits
                 due_groups += if bank.hand_is_guarded() { bank.group_count() } else { 0 };
@@ -127,7 +130,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         let noise = (CostItem::ResidualCycle, self.stage_cycles_ahead());
         let choke = (CostItem::ChokedMode, reached);
-        [(CostItem::Tick, 1), (CostItem::WakingPad, waking), (CostItem::DueGroup, due_groups), noise, choke]
+        let due = [(CostItem::DueGroup, due_groups), (CostItem::GuardedRingingGroup, driven_groups)];
+        [(CostItem::Tick, 1), (CostItem::WakingPad, waking), due[0], due[1], noise, choke]
     }
 
     /// Counts of an event.
@@ -146,6 +150,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
             // Counted at the tick at which they act.
             Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 5],
+            Action::Touch { .. } | Action::Move(_) | Action::Lift => [nothing; 5],
         }
     }
 
@@ -189,7 +194,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [bool]) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
-        let news = upcoming.iter().filter(|event| !event.is_choke_or_release());
+        let news = upcoming.iter().filter(|event| !event.acts_on_tick());
         let mut events = news.take_while(|event| event.time.first_frame() < end).peekable();
         while now < end {
             let next = events.peek().map_or(end, |event| event.time.first_frame());
@@ -229,14 +234,19 @@ impl<S: Sample> Engine<'_, '_, S> {
             let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
             let pad_banks = voice.banks();
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
-            let is_driven = contact_frames > 0 || is_direct;
-            let used = if is_driven { Use::Driven } else { Use::Free };
+            let ongoing_frames = self.contacts.ongoing.frames_ahead(number, frames);
+            let is_driven = contact_frames > 0 || ongoing_frames > 0 || is_direct;
             if !is_driven && !voice.is_ringing() {
                 continue;
             }
-            let (mut groups, mut banks) = (0, 0);
+            let (mut groups, mut banks, mut driven_banks) = (0, 0, 0);
             let mut on_bus = false;
-            for bank in pad_banks.iter().filter(|bank| bank.mode_count() > 0) {
+            let with_modes = (0u8..).zip(pad_banks).filter(|(_, bank)| bank.mode_count() > 0);
+            for (index, bank) in with_modes {
+                // Bank 0 is the object's. A strike to come may be by any striker.
+                let by = || struck || is_direct && index == 1 || self.contacts.is_any_by(number, index - 1);
+                let is_driven = is_driven && (index == 0 || by());
+                let used = if is_driven { Use::Driven } else { Use::Free };
                 let (cycles, running) = bank.cycles(used, frames);
                 let has_second = bank.can_take_second() && self.has_second(number, is_direct, struck, bank);
                 counts.add(CostItem::KernelCycle, cycles * self.loop_percent / 100);
@@ -246,13 +256,19 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::PredictedGroup, bank.group_count() * (1 + u32::from(is_driven)));
                 groups += running;
                 banks += u32::from(running > 0);
-                if is_driven && (voice.expects() || struck || bank.is_unguarded()) {
+                driven_banks += u32::from(running > 0 && is_driven);
+                let is_unguarded = voice.expects() || struck || ongoing_frames == 0 && bank.is_unguarded();
+                if is_driven && is_unguarded {
                     let item = if bank.is_ringing() { CostItem::GuardedRingingGroup } else { CostItem::GuardedGroup };
                     counts.add(item, running);
                 }
             }
-            let strikers = banks.max(1) - 1;
-            counts.add(CostItem::StrikerBank, strikers);
+            if ongoing_frames > 0 && !(voice.expects() || struck) {
+                counts.add(CostItem::GuardedGroup, voice.groups_to_guard_for_ongoing());
+            }
+            let (strikers, driven_strikers) = (banks.max(1) - 1, driven_banks.max(1) - 1);
+            counts.add(CostItem::DrivenStrikerBank, driven_strikers);
+            counts.add(CostItem::StrikerBank, strikers - driven_strikers);
             counts.add(CostItem::BusFrame, strikers * frames);
             if is_driven && groups == 0 {
                 // Nothing answers the force.
@@ -269,7 +285,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 }
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
-                counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
+                counts.add(CostItem::DirectFrame, ongoing_frames + if is_direct { frames } else { 0 });
             } else if voice.rings_quickly() && !on_bus {
                 counts.add(CostItem::RingingPad, 1);
             } else {
@@ -288,7 +304,8 @@ impl<S: Sample> Engine<'_, '_, S> {
             let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_direct = direct_input(direct, number) > 0.0;
-            let is_driven = contact_frames > 0 || is_direct;
+            let ongoing_frames = self.contacts.ongoing.frames_ahead(number, frames);
+            let is_driven = contact_frames > 0 || ongoing_frames > 0 || is_direct;
             let cycles = object.head_cycles(frames, is_driven) * self.loop_percent / 100;
             counts.add(CostItem::ResidualCycle, cycles);
             if voice.group_count() > 0 {
@@ -298,7 +315,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::BusFrame, frames);
                 counts.add(CostItem::DrivenFrame, frames);
                 counts.add(CostItem::ContactFrame, contact_frames);
-                counts.add(CostItem::DirectFrame, if is_direct { frames } else { 0 });
+                counts.add(CostItem::DirectFrame, ongoing_frames + if is_direct { frames } else { 0 });
             } else if cycles > 0 {
                 counts.add(CostItem::BusPad, 1);
                 counts.add(CostItem::BusFrame, frames);

@@ -1,8 +1,9 @@
 //! Checks of a block's events and direct force.
 
 use super::state::{Direct, Engine};
-use crate::event::{Event, EventError};
+use crate::event::{Action, Event, EventError};
 use crate::room::Sample;
+use crate::scrape::MotionError;
 use crate::voice::Voice;
 
 impl<S: Sample> Engine<'_, '_, S> {
@@ -28,12 +29,32 @@ impl<S: Sample> Engine<'_, '_, S> {
             } else if !(0.0..=1.0).contains(&event.position) {
                 return Err(EventError::Position { index, value: event.position });
             }
+            self.check_motion(index, event)?;
             earliest = frame;
         }
         match direct {
             Some(Direct { pad, force }) if usize::from(pad) >= pads || force.len() != frames => {
                 Err(EventError::Direct { pad, frames: force.len(), block: frames })
             }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a motion that is too fast or no number, and a touch where there is no surface.
+    #[inline(always)] // most events are no motion
+    fn check_motion(&self, index: usize, event: &Event) -> Result<(), EventError> {
+        let Event { pad, striker, .. } = *event;
+        match event.action {
+            Action::Touch { rolls, normal_n } => {
+                if normal_n.iter().any(|x| x.is_nan()) {
+                    Err(EventError::Motion { index, error: MotionError::NormalForce })
+                } else if !self.has_surface(pad, striker, rolls) {
+                    Err(EventError::NoSurface { index, pad, striker, rolls })
+                } else {
+                    Ok(())
+                }
+            }
+            Action::Move(motion) => motion.check().map_err(|error| EventError::Motion { index, error }),
             _ => Ok(()),
         }
     }

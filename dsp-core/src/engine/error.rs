@@ -59,6 +59,8 @@ pub enum LoadError {
     },
     /// The kit's dynamic filter or biquad bank is invalid.
     FilterTable(TableError),
+    /// The kit's surfaces, or what moves over them, are invalid.
+    SurfaceTable(TableError),
     /// The dynamic filter of a pad's object cannot be built at this rate.
     DynamicFilter {
         /// Pad, counted from 0.
@@ -116,7 +118,7 @@ impl fmt::Display for LoadError {
                 f,
                 "{stage}: takes up to {cycles} cycles a tick, but pads, room and background leave {left}: take some of them out of the kit, or make it smaller"
             ),
-            Self::FilterTable(error) => error.fmt(f),
+            Self::FilterTable(error) | Self::SurfaceTable(error) => error.fmt(f),
             Self::DynamicFilter { pad, error } => write!(f, "{}: {error}", Stage::DynamicFilter(pad)),
             Self::Biquads { pad, error } => write!(f, "{}: {error}", Stage::Biquads(pad)),
             Self::Pad { pad, striker, error, rate } => {

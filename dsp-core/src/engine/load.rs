@@ -7,6 +7,7 @@ use super::error::LoadError;
 use super::fader::Fader;
 use super::held::Held;
 use super::report::TickReport;
+use super::scrapes::Scrapes;
 use super::setup::{Fitting, STRUCK_PAD_FRAME, Setup};
 use super::stage::Stage;
 use super::state::{Engine, STANDARD_CONTACTS};
@@ -18,7 +19,9 @@ use crate::noise::Sfc32;
 use crate::output::Panner;
 use crate::residual::Shaper;
 use crate::room::{Room, Sample};
+use crate::scrape::Contact;
 use crate::table::Kit;
+use crate::table::layout::STRIKERS_PER_PAD;
 use crate::voice::{Filters, FiltersSize, Residual, Voice};
 
 /// Output below which noise ends, rms, 1.0 = full scale: -110 dBFS.
@@ -49,7 +52,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
 
     /// Derives all modes of a kit, and those of its other stages that there is memory and time for.
     ///
-    /// The room comes first, then the background, then residuals and filters pad by pad. All stages
+    /// The room comes first, then the background, contacts that go on, and residuals and filters
+    /// pad by pad. All stages
     /// together have `stage_cycles` a tick, of which pads, room, background and filters that modes
     /// go through take theirs for good. `tell` hears of each stage that is left out because it
     /// alone would take more than the rest; the kit plays without it.
@@ -87,6 +91,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         // Stages that sound for good come first: strikes share the time that they leave.
         engine.load_room(memory, &mut fitting)?;
         engine.load_background(memory, &mut fitting)?;
+        engine.load_scrapes(memory, &mut fitting)?;
         for number in 0..kit.pads().len() as u8 {
             engine.load_residual(number, memory, &mut fitting)?;
         }
@@ -117,6 +122,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             kit: *kit,
             voices: memory.take(Region::Fast, pads, Voice::empty).map_err(missing)?,
             contacts: ActiveContacts::take(memory, STANDARD_CONTACTS).map_err(missing)?,
+            scrapes: Scrapes::none(),
             frames: None,
             background: None,
             centre: Panner::new(0.0, 0.0),
@@ -184,6 +190,29 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             Some(room) => room.load(bands, rate, samples).map_err(LoadError::Room),
             None => Ok(()),
         }
+    }
+
+    #[inline(never)] // runs on load only: keeps its stack apart from the program's
+    fn load_scrapes(&mut self, memory: &mut Memory<'m>, fitting: &mut Fitting<'_>) -> Result<(), LoadError> {
+        let (stage, kit) = (Stage::Scrapes, self.kit);
+        if kit.object_surfaces().is_empty() {
+            return Ok(());
+        }
+        if let Err(error) = kit.check_surfaces() {
+            return fitting.leave_out(LoadError::SurfaceTable(error));
+        }
+        let pads = (0..kit.pads().len()).flat_map(|pad| (0..STRIKERS_PER_PAD).map(move |striker| (pad, striker)));
+        let mut contacts = pads.filter_map(|(pad, striker)| Contact::of(&kit, pad, striker, false, [0.0; 2]));
+        let Some(contact) = contacts.next() else { return Ok(()) };
+        if !(Built::HERE.scrapes && self.built.scrapes) {
+            return fitting.leave_out(LoadError::NotBuilt { stage });
+        }
+        if !fits(memory, |count| Scrapes::take(count, contact, self.rate), stage, fitting)? {
+            return Ok(());
+        }
+        let missing = |error| LoadError::Memory { stage, error };
+        (self.scrapes, self.contacts.ongoing) = Scrapes::take(memory, contact, self.rate).map_err(missing)?;
+        Ok(())
     }
 
     #[inline(never)]

@@ -5,9 +5,11 @@ use super::moving::Moved;
 use super::setup::{Fitting, Skipping};
 use super::stage::Stage;
 use super::state::Engine;
+use crate::built::Built;
 use crate::frames::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameMixer};
 use crate::memory::{Memory, Region};
 use crate::room::Sample;
+use crate::scrape::Contact;
 use crate::voice::{Form, PadTables, Voice, VoiceSize};
 
 /// Maximum number of pads: events name them by a byte.
@@ -93,9 +95,16 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         if modes < FEWEST_MODES { FEWEST_MODES } else { FEWEST_MODES_OF_SEVERAL }
     }
 
-    /// True if a sensor's signal itself is the force on a pad.
+    /// True if a force may act on a pad that never rests: a sensor's signal itself, or a contact
+    /// that goes on.
     fn is_direct(&self, number: u8) -> bool {
-        self.kit.triggers().any(|trigger| trigger.pad_index() == usize::from(number) && trigger.is_direct())
+        let pad = usize::from(number);
+        let strikers = 0..self.kit.pads().nth(pad).map_or(0, |pad| pad.striker_indices().count());
+        let is_scraped = Built::HERE.scrapes
+            && self.built.scrapes
+            && strikers.into_iter().any(|striker| Contact::is_possible(&self.kit, pad, striker, false));
+        is_scraped
+            || self.kit.triggers().any(|trigger| trigger.pad_index() == usize::from(number) && trigger.is_direct())
     }
 
     /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank:

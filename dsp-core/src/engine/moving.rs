@@ -7,7 +7,7 @@ use crate::room::Sample;
 use crate::voice::VoiceSize;
 
 /// Number of modes that take as long to move as a head between two others in frames.
-const HEAD_MODES: u32 = 12;
+const HEAD_MODES: u32 = 11;
 
 /// Modes and register groups whose gains a strike derives anew.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,11 +51,21 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Modes and groups that a strike of a pad at a position derives anew.
     pub(super) fn moved(&self, pad: u8, position: f32) -> Moved {
         let Some(voice) = self.voices.get(usize::from(pad)) else { return Moved::default() };
-        let place = voice.place_of(position, |slot| self.contacts.is_any_in(pad, slot));
-        match (place.moves, voice.frames()) {
-            (false, _) => Moved::default(),
-            (true, Some(_)) => Moved::HEAD,
-            (true, None) => voice.banks().first().map_or(Moved::default(), |object| Moved {
+        let place = voice.place_of(position, |slot| self.is_slot_taken(pad, slot));
+        if place.moves { self.moved_slot(pad) } else { Moved::default() }
+    }
+
+    /// True if a contact under way or one that goes on drives a slot of a pad.
+    pub(super) fn is_slot_taken(&self, pad: u8, slot: u8) -> bool {
+        self.contacts.is_any_in(pad, slot) || self.scrapes.hold(pad, slot)
+    }
+
+    /// Modes and groups of a slot of a pad, which a move derives anew.
+    pub(super) fn moved_slot(&self, pad: u8) -> Moved {
+        let Some(voice) = self.voices.get(usize::from(pad)) else { return Moved::default() };
+        match voice.frames() {
+            Some(_) => Moved::HEAD,
+            None => voice.banks().first().map_or(Moved::default(), |object| Moved {
                 modes: object.mode_count() as u32,
                 groups: object.group_count(),
             }),

@@ -111,22 +111,29 @@ impl<S: Sample> Engine<'_, '_, S> {
         let (mut events, mut out, mut direct) = (events, out, direct);
         while !out.is_empty() {
             direct.iter().for_each(|direct| self.wake(direct.pad));
-            let mut news = self.now.is_multiple_of(TICK_FRAMES as u64);
-            if news {
+            let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
+            let mut news = begins_tick;
+            if begins_tick {
+                self.tell_due_motions(events);
                 self.begin_tick(direct);
             }
             while let Some((event, later)) =
                 events.split_first().filter(|(event, _)| event.time.first_frame() <= self.now)
             {
-                self.apply(event, direct);
+                if !(begins_tick && event.is_motion()) {
+                    self.apply(event, direct);
+                }
                 events = later;
-                news |= !event.is_choke_or_release();
+                news |= !event.acts_on_tick();
             }
             let mut counted = false;
             if news && !self.idle {
                 counted = self.budget.is_some() && self.keep_budget(events, direct, &mut log);
                 if core::mem::take(&mut self.expects) {
                     self.meet_expected();
+                }
+                if begins_tick && self.contacts.ongoing.is_any() {
+                    self.meet_ongoing();
                 }
             }
             let to_tick = TICK_FRAMES as u64 - self.now % TICK_FRAMES as u64;
@@ -150,9 +157,8 @@ impl<S: Sample> Engine<'_, '_, S> {
             direct = direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(length..)? }));
             out = later;
             self.now += length as u64;
-            while let Some((event, later)) = events
-                .split_first()
-                .filter(|(event, _)| event.is_choke_or_release() && event.time.first_frame() < self.now)
+            while let Some((event, later)) =
+                events.split_first().filter(|(event, _)| event.acts_on_tick() && event.time.first_frame() < self.now)
             {
                 self.apply(event, direct);
                 events = later;
@@ -166,7 +172,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 }
 
-/// Next event at which a run of frames ends: a choke or a release ends none.
+/// Next event at which a run of frames ends: one that acts on a tick ends none.
 pub(super) fn next_news(events: &[Event]) -> Option<&Event> {
-    events.iter().find(|event| !event.is_choke_or_release())
+    events.iter().find(|event| !event.acts_on_tick())
 }

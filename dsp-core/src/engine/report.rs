@@ -29,6 +29,8 @@ pub struct TickReport {
     pub contact_frames: u32,
     /// Pad-frames in which an acceleration sound was computed.
     pub acceleration_frames: u32,
+    /// Frames of contacts that go on, summed over those that made any force.
+    pub scrape_frames: u32,
     /// Frames in which a pad took in a direct force.
     pub direct_frames: u32,
     /// Number of strikes that began.
@@ -43,7 +45,7 @@ pub struct TickReport {
     /// Number of runs of register groups whose input was refused for want of headroom.
     pub refused_inputs: u32,
     /// Number of residuals, dynamic filters and banks of biquads that strikes did not begin for
-    /// want of time.
+    /// want of time, and of contacts that go on for want of time or of a place.
     pub refused_stages: u32,
     /// Number of modes that retired at this tick.
     pub retired_modes: u32,
@@ -87,6 +89,7 @@ impl TickReport {
         force_frames: 0,
         contact_frames: 0,
         acceleration_frames: 0,
+        scrape_frames: 0,
         direct_frames: 0,
         strikes: 0,
         displaced_contacts: 0,

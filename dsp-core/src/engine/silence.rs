@@ -27,6 +27,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     #[inline(never)] // rare
     pub(super) fn clear_sound(&mut self) {
         self.contacts.clear();
+        self.scrapes.end_those();
         self.expects = false;
         self.voices.iter_mut().for_each(Voice::rest);
         if let Some(mixer) = &mut self.frames {

@@ -25,6 +25,8 @@ pub enum Stage {
     Biquads(u8),
     /// Room round all pads.
     Room,
+    /// Contacts that go on: scraping and rolling.
+    Scrapes,
 }
 
 impl fmt::Display for Stage {
@@ -38,6 +40,7 @@ impl fmt::Display for Stage {
             Self::DynamicFilter(pad) => write!(f, "pad {pad}, dynamic filter of its object"),
             Self::Biquads(pad) => write!(f, "pad {pad}, biquads of its object"),
             Self::Room => write!(f, "the room"),
+            Self::Scrapes => write!(f, "scraping and rolling"),
         }
     }
 }
@@ -55,6 +58,8 @@ impl Stage {
                 Self::Residual(_) | Self::Background => 150,
                 Self::DynamicFilter(_) => 200,
                 Self::Biquads(_) => 175,
+                // The residual's: no board plays it yet.
+                Self::Scrapes => 150,
                 Self::Room => 115,
                 Self::Engine | Self::Modes(_) | Self::Positions(_) => 100,
             },
@@ -72,6 +77,7 @@ impl Stage {
                 let frame = CostItem::DrivenFrame.cycles() + CostItem::ContactFrame.cycles();
                 CostItem::BusDrivenPad.cycles() + frames * frame
             }
+            Self::Scrapes => frames * CostItem::DirectFrame.cycles(),
             Self::Room | Self::Engine | Self::Modes(_) | Self::Positions(_) => 0,
         };
         (cycles + beside) * percent / 100

@@ -6,6 +6,7 @@
 
 use super::load::{ROOM_BAND_TICK, ROOM_TICK};
 use super::setup::CyclesLeft;
+use super::stage::Stage;
 use super::state::Engine;
 use crate::built::Built;
 use crate::fixed::ONE_Q27;
@@ -43,8 +44,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.refused_stages += left.refused;
     }
 
-    /// Worst cycles of the residuals and filters that sound.
-    fn sounding_cycles(&self) -> u32 {
+    /// Worst cycles of the residuals, filters and contacts that go on.
+    pub(super) fn sounding_cycles(&self) -> u32 {
         let of_residual = |residual: &Residual<'_>| if residual.is_active() { residual.worst_cycles } else { 0 };
         let of_filters = |filters: &Filters<'_>| {
             let parts = filters.sounding().into_iter().zip(filters.worst_cycles);
@@ -53,7 +54,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         let of_voice = |voice: &Voice<'_, '_>| -> u32 {
             voice.residual.as_deref().map_or(0, of_residual) + voice.filters.as_deref().map_or(0, of_filters)
         };
-        self.voices.iter().map(of_voice).sum()
+        let of_scrapes = Stage::Scrapes.worst_cycles(self.scrapes.dearest_ticks());
+        self.voices.iter().map(of_voice).sum::<u32>() + of_scrapes
     }
 
     /// Chokes the residual and the filters of a pad, or releases them, on a tick.

@@ -4,6 +4,7 @@ use super::awake::Awake;
 use super::fader::Fader;
 use super::held::Held;
 use super::report::TickReport;
+use super::scrapes::Scrapes;
 use super::setup::Skipping;
 use crate::SampleRate;
 use crate::built::Built;
@@ -21,7 +22,7 @@ use crate::voice::{Form, Residual, Voice};
 /// Audience of a pad and its coming run, for the budget; `None` for a pad that does not run.
 pub(super) type Listening = Option<(Audience, UpcomingRun)>;
 
-/// Maximum number of contacts under way at once, in every engine: one more displaces the one
+/// Maximum number of impacts under way at once, in every engine: one more displaces the one
 /// nearest to its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.
 pub const STANDARD_CONTACTS: usize = 64;
 
@@ -51,6 +52,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Pads that are awake: all others have nothing to do.
     pub(super) awake: Awake<'m>,
     pub(super) contacts: ActiveContacts<'m>,
+    /// Contacts that go on.
+    pub(super) scrapes: Scrapes<'k, 'm>,
     /// Work and sound of all pads in frames; `None` if there is none.
     pub(super) frames: Option<&'m mut FrameMixer<'m>>,
     pub(super) background: Option<&'m mut Residual<'m>>,
@@ -155,6 +158,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// the output is exact silence and a core may sleep.
     pub fn is_silent(&self) -> bool {
         self.contacts.count() == 0
+            && !self.scrapes.are_due()
             && !self.voices.iter().any(|voice| voice.is_ringing() || voice.sounds_in_frames())
             && self.noises() == 0
             && self.active_filters() == 0
@@ -166,7 +170,8 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// It does what rendering a tick without events and direct force would do, but for the report.
     /// False, with nothing done, if anything sounds or a tick is under way.
     pub fn pass_silent_tick(&mut self) -> bool {
-        let passes = self.idle && !self.chokes_changed && self.now.is_multiple_of(TICK_FRAMES as u64);
+        let passes =
+            self.idle && !self.chokes_changed && !self.scrapes.are_due() && self.now.is_multiple_of(TICK_FRAMES as u64);
         if passes {
             self.now += TICK_FRAMES as u64;
             self.pass_room_silence(TICK_FRAMES);

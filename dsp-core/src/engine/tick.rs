@@ -17,7 +17,8 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
         let chokes =
             if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { [(CostItem::Choke, 0); 3] };
-        if self.fader.is_over() {
+        let is_scraped = self.scrapes.are_due();
+        if self.fader.is_over() || is_scraped {
             // The strikes that have waited make the tick one with sound, if any have.
             (self.idle, self.was_idle) = (false, false);
         }
@@ -30,6 +31,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.fader.is_over() {
             let counts = self.end_silencing(direct);
             self.report.counts.add_all(counts);
+        }
+        if is_scraped {
+            self.scrape();
         }
         if self.frames.is_some() {
             self.begin_frames_tick();
@@ -82,11 +86,17 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.chokes_changed = true;
             return;
         }
+        if event.is_motion() {
+            return self.tell_motion(event);
+        }
         match event.action {
             Action::Level => return self.fader.set_level(event.velocity, !self.idle, self.rate),
             // What is silent already has nothing to end.
             Action::Silence if self.idle => return,
-            Action::Silence => return self.fader.end(self.rate),
+            Action::Silence => {
+                self.scrapes.end_soon();
+                return self.fader.end(self.rate);
+            }
             _ if self.fader.is_ending() => return self.held.push(event),
             _ => {}
         }
@@ -95,7 +105,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         let rate = self.rate;
         let Some(voice) = self.voices.get_mut(usize::from(event.pad)) else { return };
         let Some(impact) = voice.strike(event.velocity, event.striker, rate) else { return };
-        let place = voice.place(event.position, |slot| self.contacts.is_any_in(event.pad, slot));
+        let place = voice.place(event.position, |slot| {
+            self.contacts.is_any_in(event.pad, slot) || self.scrapes.hold(event.pad, slot)
+        });
         if voice.residual.is_some() || voice.filters.is_some() {
             self.strike_stages(event.pad, impact.peak);
         }
@@ -105,7 +117,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.displaced_contacts += u32::from(self.contacts.begin(contact));
         self.report.merged_positions += u32::from(place.is_merged);
         if place.moves {
-            self.set_position(event, place.slot);
+            self.set_position(event.pad, place.slot, event.position);
         }
     }
 
@@ -133,12 +145,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         [(CostItem::Choke, chokes), (CostItem::DueGroup, guards), (CostItem::ResidualCycle, filter_cycles)]
     }
 
-    /// Moves a slot of a pad's object to the position of a strike.
+    /// Moves a slot of a pad's object to a position.
     #[inline(never)] // looking up the tables takes longer than a strike, and more of the stack
-    fn set_position(&mut self, event: &Event, slot: u8) {
-        let Some(tables) = PadTables::new(self.kit, usize::from(event.pad)) else { return };
-        let Some(voice) = self.voices.get_mut(usize::from(event.pad)) else { return };
-        voice.set_position(slot, event.position, &tables, self.rate);
+    pub(super) fn set_position(&mut self, pad: u8, slot: u8, position: f32) {
+        let Some(tables) = PadTables::new(self.kit, usize::from(pad)) else { return };
+        let Some(voice) = self.voices.get_mut(usize::from(pad)) else { return };
+        voice.set_position(slot, position, &tables, self.rate);
     }
 
     /// Wakes a pad that something is about to happen to.
@@ -159,7 +171,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 ringing += 1;
                 return true;
             }
-            let sleeps = is_skipping && voice.can_sleep() && self.contacts.count_on(pad) == 0;
+            let sleeps = is_skipping && voice.can_sleep() && !self.contacts.is_any_on(pad);
             if sleeps {
                 self.asleep_modes += voice.mode_count() as u32;
                 self.asleep_unstruck_modes += if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
@@ -170,7 +182,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Lets forces reach the shed groups of a pad again, and wakes it.
-    fn admit(&mut self, pad: u8) {
+    pub(super) fn admit(&mut self, pad: u8) {
         self.wake(pad);
         if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
             voice.admit();
@@ -188,7 +200,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn render_run(&mut self, direct: Option<Direct<'_>>, out: &mut [[i32; 2]]) {
         (self.idle, self.was_idle) = (false, false);
         let (skip, odd_start) = (self.skipping == Skipping::On, self.now % 2 == 1);
-        let has_contacts = self.contacts.count() > 0;
+        let has_contacts = self.contacts.is_any();
         self.report.contact_frames += (self.contacts.count() * out.len()) as u32;
         self.report.pass_asleep(self.asleep_unstruck_modes, self.asleep_modes, out.len());
         for number in self.awake.pads() {
@@ -197,7 +209,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let direct = direct
                 .filter(|direct| direct.pad == number && !(skip && direct.force.iter().all(|&x| x == 0)))
                 .map(|direct| direct.force);
-            let has_force = direct.is_some() || (has_contacts && self.contacts.count_on(number) > 0);
+            let has_force = direct.is_some() || (has_contacts && self.contacts.is_any_on(number));
             let run = Run { frames: out.len(), odd_start, skip, has_force, direct };
             if !voice.is_plain && render_joined(voice, self.now, run, &mut self.contacts, &mut self.report, out) {
                 continue;
@@ -241,6 +253,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             && self.report.filters == 0
             && self.bus_stages_are_silent()
             && self.held.is_empty()
+            && !self.scrapes.are_due()
             && self.retired_in_frames == 0.0
             && self.voices.iter().all(|voice| voice.retired_amplitude() == 0.0 && !voice.is_being_reached());
         if self.idle {

@@ -85,8 +85,8 @@ fn slopes<const COLUMN: usize>(table: &[I16], place: Point) -> [i32; 2] {
     let Some(c) = table.get(place.index as usize * LIMITS..).and_then(<[I16]>::first_chunk::<{ 4 * LIMITS }>) else {
         return [0; 2];
     };
-    [0, 1].map(|which| {
-        let at = |point: usize| i32::from(c[point * LIMITS + COLUMN + which].get());
-        spline::value([at(0), at(1), at(2), at(3)], place.fraction)
-    })
+    let at = |point: usize, which: usize| i32::from(c[point * LIMITS + COLUMN + which].get());
+    let value = |which| spline::value([at(0, which), at(1, which), at(2, which), at(3, which)], place.fraction);
+    // `map` is a call of its own here: 20 cycles a frame.
+    [value(0), value(1)]
 }

@@ -9,15 +9,17 @@
 //!   force, Q4.27 <-- scraper: m S'' v² + β1 |v S'|^β2  (+ rolling: k ρ^1.5 + λ ρ^1.5 ρ')
 //! ```
 //!
-//! A [`Scraper`] makes the force of one contact, a tick at a time; the engine takes it as a direct
-//! force. [`table`](crate::table::Surface) holds the surface: its curvature, and the slope of the
-//! limited path `S'` at three limits α, each in octaves of its own resolution.
+//! A [`Scraper`] makes the force of one contact, a tick at a time; an engine has
+//! [`STANDARD_SCRAPES`](crate::engine::STANDARD_SCRAPES) of them, which events lead.
+//! [`table`](crate::table::Surface) holds the surface: its curvature, and the slope of the limited
+//! path `S'` at three limits α, each in octaves of its own resolution.
 //!
 //! A slow contact reads the curvature and limits it as it goes. A fast one would alias: the limit
 //! makes harmonics far above half the sample rate. So it reads the slope at both ends of a frame:
 //! their difference is the mean of `S''` times the way. The slope comes from the octave whose
 //! points lie about a frame apart.
 
+mod cost;
 mod curvature;
 mod difference;
 mod kernel;

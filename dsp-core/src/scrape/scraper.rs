@@ -7,14 +7,14 @@ use super::power::Powers;
 use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
 use super::roll::{Roll, Rolling, Units};
 use super::scale::Gain;
-use super::slope::{Ends, Reading, Slope};
+use super::slope::{Ends, Reading, Slope, Work};
 use super::smoothing::{Smoothing, deviation_of};
 use super::sum::Sum;
 use crate::SampleRate;
 use crate::exponential;
 use crate::fixed::{self, Log2};
-use crate::table::layout::ScrapeRecord;
-use crate::table::{Kit, Surface};
+use crate::table::layout::{ObjectSurfaceRecord, RollRecord, ScrapeRecord};
+use crate::table::{Kit, Pad, Surface};
 use crate::time::TICK_FRAMES;
 
 /// Seconds in which the force of a ball comes when it begins to move, and goes when it rests.
@@ -62,14 +62,8 @@ impl<'k> Contact<'k> {
     /// `None` if the object has no surface, the striker does not scrape, or, if `rolls`, does not
     /// roll.
     pub fn of(kit: &Kit<'k>, pad: usize, striker: usize, rolls: bool, normal_n: [f32; 2]) -> Option<Self> {
-        let pad_view = kit.pads().nth(pad)?;
-        let object = pad_view.object_index();
-        let place = kit.object_surfaces().iter().find(|place| usize::from(place.object.get()) == object)?;
+        let Records { pad_view, place, scrape, roll } = Records::of(kit, pad, striker, rolls)?;
         let surface = kit.surfaces().nth(place.surface.get().into())?;
-        let striker = pad_view.striker_indices().nth(striker)?;
-        let scrape = kit.scrapes().iter().find(|scrape| usize::from(scrape.striker.get()) == striker)?;
-        let roll = kit.rolls().iter().find(|roll| usize::from(roll.striker.get()) == striker);
-        let roll = if rolls { Some(roll?) } else { None };
         // A ball that rolls scrapes as far as it slips.
         let share = roll.map_or(1.0, |roll| roll.slip.get());
         Some(Self {
@@ -85,6 +79,31 @@ impl<'k> Contact<'k> {
                 / exponential::ratio_of_db(place.level_db.get().into()) as f32,
             seed: pad as u32,
         })
+    }
+
+    /// True if [`Contact::of`] gives a contact.
+    pub fn is_possible(kit: &Kit<'_>, pad: usize, striker: usize, rolls: bool) -> bool {
+        Records::of(kit, pad, striker, rolls).is_some()
+    }
+}
+
+/// Records of a kit that a contact is made of.
+struct Records<'k> {
+    pad_view: Pad<'k>,
+    place: &'k ObjectSurfaceRecord,
+    scrape: &'k ScrapeRecord,
+    roll: Option<&'k RollRecord>,
+}
+
+impl<'k> Records<'k> {
+    fn of(kit: &Kit<'k>, pad: usize, striker: usize, rolls: bool) -> Option<Self> {
+        let pad_view = kit.pads().nth(pad)?;
+        let object = pad_view.object_index();
+        let place = kit.object_surfaces().iter().find(|place| usize::from(place.object.get()) == object)?;
+        let striker = pad_view.striker_indices().nth(striker)?;
+        let scrape = kit.scrapes().iter().find(|scrape| usize::from(scrape.striker.get()) == striker)?;
+        let roll = kit.rolls().iter().find(|roll| usize::from(roll.striker.get()) == striker);
+        Some(Self { pad_view, place, scrape, roll: if rolls { Some(roll?) } else { None } })
     }
 }
 
@@ -136,7 +155,31 @@ pub struct Scraper<'k> {
 impl<'k> Scraper<'k> {
     /// Begins a contact at rest.
     pub fn new(contact: Contact<'k>, rate: SampleRate) -> Self {
-        let surface = contact.surface;
+        let mut scraper = Self {
+            contact,
+            rate,
+            slope: Slope::new(contact.surface),
+            smoothing: Smoothing::off(),
+            sum: Sum::none(),
+            roll: None,
+            unit: 0.0,
+            heading: [0.0; 2],
+            heading_end: HeadingEnd::default(),
+            is_backwards: false,
+            speeds: [0.0; 4],
+            alpha_m: 0.0,
+            normal_n: 0.0,
+            steps: [0.0; 2],
+            gate: 0,
+            is_first: true,
+        };
+        scraper.begin(contact);
+        scraper
+    }
+
+    /// Begins another contact at rest, in the place of the one before: it needs little stack.
+    pub fn begin(&mut self, contact: Contact<'k>) {
+        let (surface, rate) = (contact.surface, self.rate);
         let [least_m, most_m] = contact.alpha_m;
         // Four times the largest rise of a frame: the limit of the curvature over the longest way.
         let unit = LARGEST_RISES * MAX_SPEED_M_PER_S / (rate.hz_f32() * least_m);
@@ -149,7 +192,7 @@ impl<'k> Scraper<'k> {
             let scale = exponential::power(largest, slope_exponent.into()) as f32;
             (Powers::new(slope_exponent), Gain::new(slope_gain * scale / force_n, 27))
         });
-        let sum = Sum::new(
+        self.sum.begin(
             contact.mass_kg * rate.hz_f32() * unit / force_n,
             slope_gain * unit / force_n,
             other,
@@ -157,25 +200,25 @@ impl<'k> Scraper<'k> {
         );
         let [least_n, most_n] = contact.normal_n;
         let units = Units { slope: unit, force_n, height_m: 32_768.0 * surface.unit_m(), rate };
-        Self {
-            contact,
-            rate,
-            slope: Slope::new(surface, contact.seed.wrapping_mul(0x9e37_79b9)),
-            smoothing: Smoothing::new(widest),
-            sum,
-            roll: contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units)),
-            unit,
-            heading: [0.0; 2],
-            heading_end: HeadingEnd::default(),
-            is_backwards: false,
-            speeds: [0.0; 4],
-            alpha_m: 0.5 * (least_m + most_m),
-            normal_n: 0.0,
-            steps: [surface.grid_step_m(), surface.map().map_or(1.0, |map| map.row_step_m())]
-                .map(|step_m| 1.0 / (step_m * rate.hz_f32())),
-            gate: 0,
-            is_first: true,
-        }
+        self.slope.begin(surface, contact.seed.wrapping_mul(0x9e37_79b9));
+        self.smoothing.begin(widest);
+        self.roll = contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units));
+        (self.contact, self.unit) = (contact, unit);
+        (self.heading, self.heading_end, self.is_backwards) = ([0.0; 2], HeadingEnd::default(), false);
+        (self.speeds, self.alpha_m, self.normal_n) = ([0.0; 4], 0.5 * (least_m + most_m), 0.0);
+        self.steps = [surface.grid_step_m(), surface.map().map_or(1.0, |map| map.row_step_m())]
+            .map(|step_m| 1.0 / (step_m * rate.hz_f32()));
+        (self.gate, self.is_first) = (0, true);
+    }
+
+    /// Work of the last tick: of the slope, and taps that were derived and filtered with.
+    pub(super) const fn work(&self) -> (Work, [u32; 2]) {
+        (self.slope.work(), self.smoothing.work())
+    }
+
+    /// Contact whose force it makes.
+    pub(crate) const fn contact(&self) -> &Contact<'k> {
+        &self.contact
     }
 
     /// Frames by which the force comes after the motion.

@@ -75,6 +75,24 @@ enum Tick {
     Octave(usize, Difference),
 }
 
+/// Work of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work {
+    /// Blocks that were read, those of two segments twice.
+    pub(super) blocks: u32,
+    /// Frames of limited curvature, read from a profile or a map.
+    pub(super) curvatures: u32,
+    /// Frames of slope.
+    pub(super) slopes: u32,
+    /// Frames that were faded between two segments.
+    pub(super) fades: u32,
+}
+
+impl Work {
+    /// No work.
+    const NONE: Self = Self { blocks: 0, curvatures: 0, slopes: 0, fades: 0 };
+}
+
 /// Reader of a surface along a path.
 #[derive(Clone, Debug)]
 pub(super) struct Slope<'k> {
@@ -85,23 +103,32 @@ pub(super) struct Slope<'k> {
     plane: Option<Plane<'k>>,
     /// Places of the block that is read.
     walk: Walk,
+    /// Work of the last tick.
+    work: Work,
 }
 
 impl<'k> Slope<'k> {
-    /// Reads a surface from place 0.
-    pub(super) fn new(surface: Surface<'k>, seed: u32) -> Self {
-        let plane = Plane::new(&surface);
-        let segments = match &plane {
+    /// Reader at rest; [`Slope::begin`] must follow.
+    pub(super) const fn new(surface: Surface<'k>) -> Self {
+        let segments = Segments::new(0, 0);
+        Self { surface, segments, place: 0, plane: None, walk: Walk::new(), work: Work::NONE }
+    }
+
+    /// Begins to read a surface from place 0.
+    pub(super) fn begin(&mut self, surface: Surface<'k>, seed: u32) {
+        (self.surface, self.place, self.work) = (surface, 0, Work::NONE);
+        self.plane = Plane::new(&surface);
+        self.segments = match &self.plane {
             Some(plane) => Segments::in_map(plane.shorter(), seed),
             None => Segments::new(surface.grid_points() as u32, seed),
         };
-        Self { surface, segments, place: 0, plane, walk: Walk::new() }
     }
 
     /// Goes on over a tick.
     ///
     /// Gives the rise of the slope in each frame, Q31 of `unit`, within ±2^30.
     pub(super) fn render(&mut self, ends: Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
+        self.work = Work::NONE;
         let mut way = Way::new(ends.steps);
         let largest = way.largest();
         let block = self.segments.block(largest);
@@ -116,6 +143,11 @@ impl<'k> Slope<'k> {
                 plane.go_on(rises.len());
             }
         }
+    }
+
+    /// Work of the last tick.
+    pub(super) const fn work(&self) -> Work {
+        self.work
     }
 
     /// Rises of a block of frames from the place on.
@@ -146,7 +178,8 @@ impl<'k> Slope<'k> {
     }
 
     /// Fades rises in one segment into those in the next.
-    fn fade(&self, pair: &Pair, [mut speed, step]: [i64; 2], rises: &mut [i32], others: &[i32]) {
+    fn fade(&mut self, pair: &Pair, [mut speed, step]: [i64; 2], rises: &mut [i32], others: &[i32]) {
+        self.work.fades += rises.len() as u32;
         let mut place = self.place;
         for (rise, other) in rises.iter_mut().zip(others) {
             speed += step;
@@ -157,12 +190,16 @@ impl<'k> Slope<'k> {
 
     /// Rises of a block in one of two segments.
     fn read(&mut self, tick: &mut Tick, segment: (&Pair, bool), way: Way, rises: &mut [i32]) {
+        let frames = rises.len() as u32;
+        self.work.blocks += 1;
         match tick {
             Tick::Once(limited) => {
+                self.work.curvatures += frames;
                 self.curvatures(segment, (way, 2), rises);
                 kernel::limit(limited, rises);
             }
             Tick::Twice(limited) => {
+                self.work.curvatures += 2 * frames;
                 let mut others = [0; TICK_FRAMES];
                 let Some(others) = others.get_mut(..rises.len()) else { return };
                 self.curvatures(segment, (way, 3), others);
@@ -172,6 +209,7 @@ impl<'k> Slope<'k> {
                 rises.iter_mut().zip(others).for_each(|(rise, other)| *rise = (*rise >> 1) + (*other >> 1));
             }
             Tick::Octave(octave, difference) => {
+                self.work.slopes += frames;
                 let (pair, is_second) = segment;
                 let points = self.surface.grid_points();
                 let place = self.segments.in_table(self.place + pair.offset(is_second)) >> *octave;

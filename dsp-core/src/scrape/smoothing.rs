@@ -39,6 +39,8 @@ pub(super) struct Smoothing {
     quiet_ticks: u32,
     /// Number of times that the unit of the frames has been halved.
     halvings: u32,
+    /// Taps that the last tick derived, and those that it filtered with.
+    work: [u32; 2],
 }
 
 /// Widest standard deviation that is rendered, in frames.
@@ -51,19 +53,29 @@ fn reach_of(variance: f32) -> usize {
 }
 
 impl Smoothing {
-    /// Makes the filter for deviations of up to `widest` frames.
-    pub(super) fn new(widest: f32) -> Self {
+    /// No smoothing.
+    pub(super) const fn off() -> Self {
         Self {
             history: [0; 2 * SEEN + 4],
             next: 0,
-            is_off: widest * widest < LEAST_VARIANCE,
+            is_off: true,
             deviation: -1.0,
             less: 0.0,
             taps: [0; MAX_TAPS],
             reach: 0,
             quiet_ticks: 3,
             halvings: 0,
+            work: [0; 2],
         }
+    }
+
+    /// Begins with silence, for deviations of up to `widest` frames.
+    pub(super) fn begin(&mut self, widest: f32) {
+        self.history.fill(0);
+        (self.next, self.is_off) = (0, widest * widest < LEAST_VARIANCE);
+        (self.deviation, self.less) = (-1.0, 0.0);
+        self.taps.fill(0);
+        (self.reach, self.quiet_ticks, self.halvings, self.work) = (0, 3, 0, [0; 2]);
     }
 
     /// Delay of the output in frames: none, or a tick.
@@ -74,6 +86,7 @@ impl Smoothing {
     /// Sets the standard deviation in frames, less the variance that the input has been smoothed by
     /// already, in square frames.
     pub(super) fn set(&mut self, deviation: f32, less: f32) {
+        self.work = [0; 2];
         if self.is_off || (deviation == self.deviation && less == self.less) {
             return;
         }
@@ -81,6 +94,7 @@ impl Smoothing {
         let variance = deviation * deviation - less;
         let before = self.reach;
         self.reach = reach_of(variance);
+        self.work[0] = 1 + self.reach as u32;
         // e^(-1/2σ²) = 2^-(1/(2 ln 2 σ²)), whose exponent is at most 15.
         let exponent = (1.0 / (2.0 * core::f32::consts::LN_2))
             / (if variance > LEAST_VARIANCE { variance } else { LEAST_VARIANCE });
@@ -130,10 +144,16 @@ impl Smoothing {
         }
         self.next = if self.next + TICK_FRAMES == SEEN { 0 } else { self.next + TICK_FRAMES };
         let count = (2 * self.reach + 1).next_multiple_of(TAPS);
+        self.work[1] = count as u32;
         let taps = self.taps.get(..count).unwrap_or(&[]);
         // The oldest tick lies where the next one will be written.
         let first = self.next + TICK_FRAMES - self.reach;
         filter(self.history.get(first..).unwrap_or(&[]), taps, frames);
+    }
+
+    /// Taps that the last tick derived, 0 if none, and those that it filtered with.
+    pub(super) const fn work(&self) -> [u32; 2] {
+        self.work
     }
 
     /// True if nothing but zeros has gone in for as long as the filter remembers.
@@ -169,7 +189,8 @@ mod tests {
     #[test]
     fn constant_comes_out_as_it_went_in_a_tick_later() {
         for deviation in [0.1, 0.5, 1.0, 3.0, MAX_DEVIATION] {
-            let mut smoothing = Smoothing::new(deviation);
+            let mut smoothing = Smoothing::off();
+            smoothing.begin(deviation);
             smoothing.set(deviation, 0.0);
             let mut frames = [0; TICK_FRAMES];
             for _ in 0..4 {

@@ -42,10 +42,15 @@ pub(super) struct Weights {
 }
 
 impl Sum {
-    /// Makes the sum: gains from speed in m/s times rise or slope in units, and the slope's leak in
-    /// a frame at 1 m/s. `other` holds the powers of the slope if their exponent is not 1.
-    pub(super) fn new(vertical: f32, horizontal: f32, other: Option<(Powers, Gain)>, leak: f32) -> Self {
-        Self { vertical, horizontal, powers: other, leak, slope: 0 }
+    /// No force.
+    pub(super) const fn none() -> Self {
+        Self { vertical: 0.0, horizontal: 0.0, powers: None, leak: 0.0, slope: 0 }
+    }
+
+    /// Begins a contact: gains from speed in m/s times rise or slope in units, and the slope's leak
+    /// in a frame at 1 m/s. `other` holds the powers of the slope if their exponent is not 1.
+    pub(super) fn begin(&mut self, vertical: f32, horizontal: f32, other: Option<(Powers, Gain)>, leak: f32) {
+        (self.vertical, self.horizontal, self.powers, self.leak, self.slope) = (vertical, horizontal, other, leak, 0);
     }
 
     /// True if the slope's exponent is not 1.

@@ -10,6 +10,9 @@ pub enum Form {
     FewModes,
     /// In the bank: a dynamic filter takes the modes sample by sample.
     Filtered,
+    /// In the bank: contacts move along the object as they scrape it, and frames keep a force's
+    /// position over a block.
+    Scraped,
     /// In the bank: its choke is too fast for frames.
     FastChoke,
     /// In the bank: a strike would take too many cycles in frames.

@@ -55,6 +55,9 @@ impl VoiceSize {
         if tables.filter_takes_modes() {
             return Ok(Err(Form::Filtered));
         }
+        if tables.is_scraped_along() {
+            return Ok(Err(Form::Scraped));
+        }
         if !FrameBank::can_choke(&table, rate) {
             return Ok(Err(Form::FastChoke));
         }

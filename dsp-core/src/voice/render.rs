@@ -52,7 +52,7 @@ impl Voice<'_, '_> {
         let frames = run.frames.min(TICK_FRAMES);
         let mut force = [0; TICK_FRAMES];
         let Some(force) = force.get_mut(..frames) else { return work };
-        if run.direct.is_some() || contacts.count_on(self.number) > 0 {
+        if run.direct.is_some() || contacts.is_any_on(self.number) {
             self.struck = true;
             work.force_frames = frames as u32;
             work.direct_frames = if run.direct.is_some() { frames as u32 } else { 0 };
@@ -145,7 +145,12 @@ impl Voice<'_, '_> {
                 // Without a second force a direct one acts in slot 0.
                 let (run, striker) = (Run { direct: direct.take(), ..run }, (number, index));
                 let forces = (&mut *force, second.as_deref_mut(), direct_slot);
-                match strikers.next().filter(|bank| bank.mode_count() > 0) {
+                let bank = strikers.next().filter(|bank| bank.mode_count() > 0);
+                let is_idle = run.skip && run.direct.is_none() && !contacts.is_any_by(number, index);
+                if is_idle && bank.as_ref().is_none_or(|bank| !bank.is_ringing()) {
+                    continue;
+                }
+                match bank {
                     Some(bank) => work.strikers += drive_striker(bank, striker, run, contacts, forces, sound),
                     None => add_forces(striker, run.direct, contacts, forces),
                 }

@@ -2,6 +2,7 @@
 
 use super::filters::Filters;
 use super::form::Form;
+use super::ongoing::{EXPECTED_STEP, Ongoing};
 use super::residual::Residual;
 use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
@@ -43,6 +44,8 @@ pub struct Voice<'k, 'm> {
     /// Sum of |force| of contacts that have just begun, until the banks are guarded for it, in
     /// units of [`EXPECTED_STEP`], rounded up.
     pub(super) expected: u32,
+    /// Force of contacts that go on, in the tick that begins.
+    pub(super) ongoing: Ongoing,
     /// True if the pad is to be choked from the next tick on.
     pub(super) is_choke_wanted: bool,
     pub(super) is_choked: bool,
@@ -56,9 +59,6 @@ pub struct Voice<'k, 'm> {
     /// Sum of the banks' retired amplitudes at the last tick that had something to do.
     pub(super) retired_amplitude: f32,
 }
-
-/// Unit of the expected force, in bus steps.
-const EXPECTED_STEP: u64 = 256;
 
 /// Work of a pad over a run of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -110,6 +110,7 @@ impl Voice<'_, '_> {
             acceleration: Acceleration::NONE,
             panner: Panner::SILENT,
             expected: 0,
+            ongoing: Ongoing::NONE,
             is_choke_wanted: false,
             is_choked: false,
             struck: false,
@@ -299,27 +300,13 @@ impl Voice<'_, '_> {
         if let Some(filters) = self.filters.as_deref_mut() {
             filters.rest();
         }
-        (self.expected, self.retired_amplitude) = (0, 0.0);
+        (self.expected, self.ongoing, self.retired_amplitude) = (0, Ongoing::NONE, 0.0);
     }
 
     /// Lets forces reach groups again that were shed.
     pub fn admit(&mut self) {
         self.wake();
         self.banks.iter_mut().for_each(Bank::admit);
-    }
-
-    /// Guards the banks for contacts that have just begun; call it before their first run.
-    pub fn meet_expected(&mut self) {
-        let expected = u64::from(core::mem::take(&mut self.expected)) * EXPECTED_STEP;
-        if expected > 0 {
-            self.wake();
-            // A bank whose groups are all shed needs no guard.
-            for bank in &mut *self.banks {
-                if bank.has_admitted() {
-                    bank.expect(expected);
-                }
-            }
-        }
     }
 
     /// True if the next tick guards any group, provided that no more force comes before it.

@@ -45,6 +45,13 @@ impl<'a> PadTables<'a> {
         filter.is_ok_and(|filter| filter.is_some_and(|filter| filter.takes_modes()))
     }
 
+    /// True if a scraper changes its position on the object: it has several, and a surface.
+    pub(super) fn is_scraped_along(&self) -> bool {
+        let object = self.pad.object_index();
+        let has_surface = || self.kit.object_surfaces().iter().any(|place| usize::from(place.object.get()) == object);
+        self.object.position_count() > 1 && has_surface()
+    }
+
     pub(super) fn strikers(&self) -> impl Iterator<Item = Striker<'a>> + use<'a> {
         self.kit.strikers_of(self.pad)
     }

@@ -2,8 +2,10 @@
 
 use dsp_core::event::{Action, Event, Time};
 use dsp_core::resonator::TICK_FRAMES;
+use dsp_core::scrape::Motion;
 
 use super::scenes::{choked_pads, pads, pads_of, pads_with_positions, strikes};
+use crate::scrape::Scrapes;
 
 /// Scene that is played one tick at a time.
 #[derive(Clone, Debug)]
@@ -61,6 +63,27 @@ pub fn at_two_places(pads: u8) -> Vec<Event> {
     events
 }
 
+/// Touch of a striker on pad 0, its motion in each of `ticks` ticks, and its lift. The speed swings
+/// between 0 and `speed` m/s, the normal force between 0.1 and 1 N.
+pub fn rubbed(striker: u8, rolls: bool, speed: f32, ticks: usize) -> Vec<Event> {
+    let event = |tick: usize, action| Event {
+        time: Time::at_frame((tick * TICK_FRAMES) as u64),
+        striker,
+        position: 0.5,
+        action,
+        ..Event::NOTHING
+    };
+    let moved = |tick: usize| {
+        let turn = tick as f32 * 0.05;
+        let velocity_m_per_s = [speed * turn.sin(), 0.0];
+        event(tick, Action::Move(Motion { velocity_m_per_s, normal_n: 0.55 + 0.45 * (0.7 * turn).cos() }))
+    };
+    let mut events = vec![event(0, Action::Touch { rolls, normal_n: [0.1, 1.0] })];
+    events.extend((0..ticks).map(moved));
+    events.push(event(ticks, Action::Lift));
+    events
+}
+
 /// Scenes without a limit, by which the predicted costs are compared with the modelled ones.
 ///
 /// # Panics
@@ -78,6 +101,9 @@ pub fn unlimited() -> Vec<BudgetScene> {
     };
     let force = (0..80 * TICK_FRAMES).map(|n| ((n as f64 * 0.37).sin() * 2e6) as i32).collect();
     let choke = Event { time: Time::at_frame(900), pad: 1, action: Action::Choke, ..Event::NOTHING };
+    let scrapes = Scrapes::new();
+    let [(mug, stick), (bowl, ball), (drum, _)] =
+        [("mug", "stick"), ("bowl", "ball"), ("drum", "pen")].map(|(pad, striker)| scrapes.alone(pad, striker));
     let mut hands = strikes(all, 5, 0.6);
     hands.push(choke);
     vec![
@@ -91,6 +117,10 @@ pub fn unlimited() -> Vec<BudgetScene> {
         scene("eight pads of 64 modes, struck thrice", &pads(8).binary, storm(8, 3), 60),
         scene("four pads of 64 modes, choked and released", &choked_pads(4).binary, hands_on(4), 100),
         scene("four pads of 64 modes, struck at two places", &pads_with_positions(4).binary, at_two_places(4), 60),
+        scene("mug, scraped slowly", &mug, rubbed(stick as u8, false, 0.3, 150), 170),
+        scene("mug, scraped fast", &mug, rubbed(stick as u8, false, 2.5, 150), 170),
+        scene("bowl, rolled over", &bowl, rubbed(ball as u8, true, 0.4, 150), 200),
+        scene("drum, scraped", &drum, rubbed(stick as u8, false, 0.8, 150), 170),
     ]
 }
 

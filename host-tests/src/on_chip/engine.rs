@@ -3,6 +3,7 @@
 use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
 use dsp_core::event::{Action, Event, Time};
+use dsp_core::scrape::Motion;
 use virtual_core::{Call, Image, Machine};
 
 use super::loaded::load_once;
@@ -153,8 +154,8 @@ impl EngineOnChip {
         let words: Vec<u32> = words_of(&head).iter().map(|&word| word as u32).collect();
         let mut decisions = Vec::new();
         for index in 0..words[4] {
-            let mut event = [0; 32];
-            self.machine.read(address + 24 + 32 * index, &mut event)?;
+            let mut event = [0; EVENT_BYTES];
+            self.machine.read(address + 24 + EVENT_BYTES as u32 * index, &mut event)?;
             let frame = u64::from_le_bytes(*event.first_chunk().unwrap_or(&[0; 8]));
             let groups = u16::from_le_bytes([event[24], event[25]]);
             decisions.push(Event { time: Time::at_frame(frame), action: Action::Shed(groups), ..Event::NOTHING });
@@ -186,9 +187,13 @@ impl EngineOnChip {
     }
 }
 
+/// Bytes of an event on the wire.
+const EVENT_BYTES: usize = 40;
+
 /// Bytes of an event as the image's `WireEvent` has them.
-fn wire(event: &Event) -> [u8; 32] {
-    let mut bytes = [0; 32];
+fn wire(event: &Event) -> [u8; EVENT_BYTES] {
+    let mut bytes = [0; EVENT_BYTES];
+    let mut numbers = [0.0; 3];
     bytes[..8].copy_from_slice(&event.time.frame.to_le_bytes());
     bytes[8..12].copy_from_slice(&event.time.fraction.to_le_bytes());
     bytes[12] = event.pad;
@@ -203,7 +208,17 @@ fn wire(event: &Event) -> [u8; 32] {
         }
         Action::Level => 4,
         Action::Silence => 5,
+        Action::Touch { rolls, normal_n: [least_n, most_n] } => {
+            numbers = [least_n, most_n, 0.0];
+            if rolls { 7 } else { 6 }
+        }
+        Action::Move(Motion { velocity_m_per_s: [x, y], normal_n }) => {
+            numbers = [x, y, normal_n];
+            8
+        }
+        Action::Lift => 9,
     };
+    bytes[28..].copy_from_slice(numbers.map(f32::to_le_bytes).as_flattened());
     bytes[16..20].copy_from_slice(&event.velocity.to_le_bytes());
     bytes[20..24].copy_from_slice(&event.position.to_le_bytes());
     bytes

@@ -17,6 +17,7 @@ mod positions;
 mod residual;
 mod rolls;
 mod room;
+mod scrapes;
 mod skipping;
 mod static_response;
 mod velocity;

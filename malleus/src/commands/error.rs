@@ -96,10 +96,6 @@ pub(crate) enum CommandError {
         "{file}: strikes with a force of their own at several positions or with several strikers are played in parts that add up: leave out --board, --budget-mhz, --log and --limit"
     )]
     PartsOnBoard { file: String },
-    #[error(
-        "{file}: a motion on objects with several positions, on several pads, or by another than a pad's first striker is played in parts that add up: leave out --board, --budget-mhz and --limit"
-    )]
-    MotionOnBoard { file: String },
     #[error("{file}: strikes with a force of their own cannot be played beside a motion: play them alone, and mix")]
     OwnForceWithMotion { file: String },
     #[error(transparent)]

@@ -271,6 +271,7 @@ impl FormFinding {
             Form::Frames => None,
             Form::FewModes => Some("it has few"),
             Form::Filtered => Some("its dynamic filter takes them"),
+            Form::Scraped => Some("contacts move along it as they scrape"),
             Form::FastChoke => {
                 Some("its choke_t60_s is too short for frames, which fall by 24 dB in 256 frames at most")
             }

@@ -1,5 +1,6 @@
 //! Lines for the user on the stages of a kit that a board leaves out.
 
+use dsp_core::engine::{LoadError, Stage};
 use dsp_core::table::Kit;
 use virtual_board::Board;
 
@@ -8,13 +9,9 @@ use virtual_board::Board;
 pub(super) fn left_out(kit: &str, board: Board, table: &Kit<'_>) -> Vec<String> {
     let name = board.name();
     let mut lines = match malleus::render::board::plan(board, table) {
-        Ok(plan) => plan.left_out.iter().map(|reason| format!("{kit}: {name} leaves out: {reason}")).collect(),
+        Ok(plan) => plan.left_out.iter().map(|reason| format!("{kit}: {name} leaves out: {}", text(reason))).collect(),
         Err(error) => vec![format!("{kit}: {name} refuses it and plays its built-in kit: {error}")],
     };
-    let surfaces = table.surfaces().count();
-    if surfaces > 0 {
-        lines.push(format!("{kit}: {name} leaves out: surfaces, {surfaces} of them: boards play strikes, malleus play --motion scrapes and rolls"));
-    }
     let bytes = table.len_bytes();
     if bytes > boards::SLOT_BYTES {
         lines.push(format!(
@@ -23,4 +20,13 @@ pub(super) fn left_out(kit: &str, board: Board, table: &Kit<'_>) -> Vec<String> 
         ));
     }
     lines
+}
+
+fn text(reason: &LoadError) -> String {
+    match reason {
+        LoadError::NotBuilt { stage: stage @ Stage::Scrapes } => {
+            format!("{stage}: boards play strikes, malleus play --motion scrapes and rolls")
+        }
+        _ => reason.to_string(),
+    }
 }

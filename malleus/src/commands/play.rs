@@ -18,7 +18,7 @@ use virtual_board::Board;
 use super::error::CommandError;
 use super::left_out::left_out;
 use super::output::{peak_dbfs, print, print_json, progress, refuse_input};
-use super::play_motion;
+use super::play_motion::{self, Played};
 use super::play_report::{PlayReport, Work};
 use crate::arguments::PlayArguments;
 
@@ -33,10 +33,19 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if loaded.kit.pads.is_empty() {
         return Err(CommandError::NoPads { kit: name.clone() });
     }
-    let (rate, performance, parts) = match &arguments.motion {
-        Some(motion) => play_motion::read_performance(arguments, motion, &loaded.kit, &table)?,
-        None => read_performance(arguments, &loaded.kit, &table)?,
+    let (rate, performance, parts, ablated) = match &arguments.motion {
+        Some(motion) => {
+            let Played { rate, performance, parts, ablated } =
+                play_motion::read(arguments, motion, &loaded.kit, &table)?;
+            (rate, performance, parts, ablated)
+        }
+        None => {
+            let (rate, performance, parts) = read_performance(arguments, &loaded.kit, &table)?;
+            (rate, performance, parts, None)
+        }
     };
+    let (kit, binary) = ablated.as_ref().map_or((&loaded.kit, &loaded.binary), |(kit, binary)| (kit, binary));
+    let table = Kit::parse(binary).map_err(|error| CommandError::Table { kit: name.clone(), error })?;
     let seconds = performance.frames as f64 / rate.hz();
     if seconds > LONGEST_S {
         let files = [&arguments.motion, &arguments.strikes].into_iter().flatten();
@@ -47,14 +56,14 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     let mut work = Work::default();
     let budget_cycles = budget_cycles(arguments, &performance, rate);
     let (frames, level) = if !parts.is_empty() {
-        play_parts(arguments, &loaded.kit, &performance, &parts, rate)?
+        play_parts(arguments, kit, &performance, &parts, rate)?
     } else if arguments.reference {
-        let left_out = reference::leaves_out(&loaded.kit);
+        let left_out = reference::leaves_out(kit);
         if !left_out.is_empty() {
             eprintln!("malleus: {name}: the reference leaves out {}", left_out.join(", "));
         }
         let bar = progress(performance.frames as u64, "reference");
-        let sound = reference::render(&loaded.kit, &performance, rate, |done| bar.set_position(done as u64))
+        let sound = reference::render(kit, &performance, rate, |done| bar.set_position(done as u64))
             .map_err(|error| CommandError::Reference { kit: name.clone(), error })?;
         bar.finish_and_clear();
         let level = Level::of_reference(&sound);
@@ -81,7 +90,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
             work.add(report);
             bar.set_position(report.frame);
         };
-        let log = |event: &Event| played.push(*event);
+        // The log stands beside the motion.
+        let log = |event: &Event| played.extend((!event.is_motion()).then_some(*event));
         let frames = match arguments.board {
             Some(on) => board::render(on, &table, &performance, budget_cycles, Output::Bus, observe, log),
             None => instrument::render_logged(&table, &performance, settings, Output::Bus, observe, log),
@@ -97,7 +107,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         (frames, level)
     };
     wave::write_stereo(&arguments.output, rate, &frames)?;
-    let force = (!arguments.reference).then(|| force::load(&loaded.kit, &performance.events, rate));
+    let force = (!arguments.reference).then(|| force::load(kit, &performance.events, rate));
     warn_of_clipping(name, &level, force);
     let report = PlayReport {
         output: &arguments.output,

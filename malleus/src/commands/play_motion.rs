@@ -13,20 +13,29 @@ use super::error::CommandError;
 use super::output::progress;
 use crate::arguments::{AblationName, PlayArguments};
 
-/// Reads a motion, and strikes with it, and renders the motion's force. Writes that as a file where
-/// it is asked for.
-pub(super) fn read_performance(
+/// Motion as it is played.
+pub(super) struct Played {
+    pub(super) rate: SampleRate,
+    pub(super) performance: Performance,
+    /// Parts of the sound, if the reference needs several.
+    pub(super) parts: Vec<Part>,
+    /// Kit that is played, if a part of its model is left out, and its binary form.
+    pub(super) ablated: Option<(kit::Kit, Vec<u8>)>,
+}
+
+/// Reads a motion, and strikes with it. Writes the motion's force as a file where it is asked for.
+pub(super) fn read(
     arguments: &PlayArguments,
     path: &Path,
     kit: &kit::Kit,
     table: &Kit<'_>,
-) -> Result<(SampleRate, Performance, Vec<Part>), CommandError> {
+) -> Result<Played, CommandError> {
     let rate = arguments.board.map(board::rate).or(arguments.rate).unwrap_or(SampleRate::HZ_48000);
     let motion = motion::read(path, table, rate)?;
     for remark in motion.remarks() {
         eprintln!("malleus: {}: {remark}", path.display());
     }
-    let events = match &arguments.strikes {
+    let strikes = match &arguments.strikes {
         None => Vec::new(),
         Some(strikes) => {
             let list = events::read(strikes, table, rate)?;
@@ -40,30 +49,29 @@ pub(super) fn read_performance(
     let ablations: Vec<Ablation> = arguments.without.iter().copied().map(ablation).collect();
     let pads: Vec<u8> = motion.contacts().iter().map(|contact| contact.pad).collect();
     let kit = scraped::without(kit, &ablations, &pads);
-    let failed = |error| CommandError::Scraped { kit: arguments.kit.clone(), error };
     let binary = kit::binary::build(&kit)?;
     let table = Kit::parse(&binary).map_err(|error| CommandError::Table { kit: arguments.kit.clone(), error })?;
-    let bar = progress((motion.end_s() * rate.hz()) as u64, "scraping");
-    let renderer = if arguments.reference { Renderer::Reference } else { Renderer::Instrument };
     let is_constant = ablations.contains(&Ablation::NormalForce);
-    let scraped = scraped::render(&motion, &table, rate, (renderer, is_constant), |done| bar.set_position(done as u64))
-        .map_err(failed)?;
-    bar.finish_and_clear();
-    if let Some(path) = &arguments.force {
-        write_trace(path, rate, &scraped.trace)?;
+    let failed = |error| CommandError::Scraped { kit: arguments.kit.clone(), error };
+    let events = scraped::events(&motion, &table, rate, is_constant).map_err(failed)?;
+    let mut performance = Performance::new(scraped::merged(&strikes, &events), None, &kit, rate, arguments.tail);
+    let mut parts = Vec::new();
+    if arguments.force.is_some() || arguments.reference {
+        let bar = progress((motion.end_s() * rate.hz()) as u64, "scraping");
+        let renderer = if arguments.reference { Renderer::Reference } else { Renderer::Instrument };
+        let done = |done| bar.set_position(done as u64);
+        let scraped = scraped::render(&motion, &table, rate, (renderer, is_constant), done).map_err(failed)?;
+        bar.finish_and_clear();
+        if let Some(path) = &arguments.force {
+            write_trace(path, rate, &scraped.trace)?;
+        }
+        if arguments.reference {
+            performance.events = strikes;
+            performance.direct = scraped::direct(&scraped, &kit);
+            parts = if performance.direct.is_some() { Vec::new() } else { scraped::parts(&scraped, &kit) };
+        }
     }
-    // Parts have their own kits, from which something may be left out; the board has its own.
-    let whole = if ablations.is_empty() { scraped::direct(&scraped, &kit) } else { None };
-    if let Some(direct) = whole {
-        return Ok((rate, Performance::new(events, Some(direct), &kit, rate, arguments.tail), Vec::new()));
-    }
-    if arguments.board.is_some() || arguments.budget_mhz.is_some() || arguments.limit.is_some() {
-        return Err(CommandError::MotionOnBoard { file: path.display().to_string() });
-    }
-    let parts = scraped::parts(&scraped, &kit);
-    let longest = parts.iter().max_by_key(|part| part.direct.1.len()).map(|part| part.direct.clone());
-    let performance = Performance::new(events, longest, &kit, rate, arguments.tail);
-    Ok((rate, performance, parts))
+    Ok(Played { rate, performance, parts, ablated: (!ablations.is_empty()).then_some((kit, binary)) })
 }
 
 fn ablation(name: AblationName) -> Ablation {

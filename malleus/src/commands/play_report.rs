@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use dsp_core::SampleRate;
-use dsp_core::engine::TickReport;
+use dsp_core::engine::{CostItem, TickReport};
 use serde::Serialize;
 
 /// Sums over the reports of all ticks (docs/json.md).
@@ -35,6 +35,11 @@ pub(super) struct Work {
     pub(super) shedding_ticks: u64,
     pub(super) largest_shed_amplitude: f32,
     pub(super) largest_predicted_cycles: u32,
+    pub(super) mean_predicted_cycles: f64,
+    pub(super) scrape_frames: u64,
+    /// Number of ticks with anything to do.
+    #[serde(skip)]
+    busy_ticks: u32,
 }
 
 impl Work {
@@ -65,6 +70,12 @@ impl Work {
         self.shedding_ticks += u64::from(report.shed.groups > 0);
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
         self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
+        self.scrape_frames += u64::from(report.scrape_frames);
+        if report.counts.of(CostItem::Tick) > 0 {
+            self.busy_ticks += 1;
+            let growth = f64::from(report.predicted_cycles()) - self.mean_predicted_cycles;
+            self.mean_predicted_cycles += growth / f64::from(self.busy_ticks);
+        }
     }
 }
 

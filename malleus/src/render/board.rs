@@ -4,7 +4,8 @@
 
 use boards::{BlackpillF411, Stm32f407gDisc1};
 use dsp_core::SampleRate;
-use dsp_core::engine::{Engine, LoadError, TickReport};
+use dsp_core::built::Built;
+use dsp_core::engine::{Engine, LoadError, Setup, TickReport};
 use dsp_core::event::Event;
 use dsp_core::memory::{Memory, Word, Words};
 use dsp_core::resonator::TICK_FRAMES;
@@ -75,6 +76,9 @@ pub fn budget_cycles(board: Board) -> u32 {
 /// Without a budget, the events of the board's log, which hold its decisions, give the bits that
 /// the board gave. `observe` gets the report of each tick, and `log` every event as it is played.
 ///
+/// The boards' own firmware is built without scraping and rolling, which nothing on them would
+/// lead. A performance with motions plays as on a firmware with them.
+///
 /// # Errors
 /// [`RenderError`] if the board refuses the kit or an event.
 pub fn render(
@@ -89,13 +93,13 @@ pub fn render(
     match board {
         Board::Stm32f407gDisc1 => {
             let mut memory = lent::<Stm32f407gDisc1>();
-            let mut engine = loaded::<Stm32f407gDisc1>(kit, &mut memory)?;
+            let mut engine = built_for::<Stm32f407gDisc1>(kit, performance, &mut memory)?;
             engine.set_budget(budget_cycles);
             play(&mut engine, performance, TICK_FRAMES, output, observe, log)
         }
         Board::BlackpillF411 => {
             let mut memory = lent::<BlackpillF411>();
-            let mut engine = loaded::<BlackpillF411>(kit, &mut memory)?;
+            let mut engine = built_for::<BlackpillF411>(kit, performance, &mut memory)?;
             engine.set_budget(budget_cycles);
             play(&mut engine, performance, TICK_FRAMES, output, observe, log)
         }
@@ -154,4 +158,18 @@ fn loaded<'k, 'm, B: boards::Board>(
     [fast, bulk]: &'m mut [Vec<Word>; 2],
 ) -> Result<Engine<'k, 'm>, LoadError> {
     B::engine(kit, Memory::new(fast, bulk), &mut |_| {})
+}
+
+/// Engine for a performance: with scraping and rolling if there are motions.
+fn built_for<'k, 'm, B: boards::Board>(
+    kit: &Kit<'k>,
+    performance: &Performance,
+    memory: &'m mut [Vec<Word>; 2],
+) -> Result<Engine<'k, 'm>, LoadError> {
+    if !performance.events.iter().any(Event::is_motion) {
+        return loaded::<B>(kit, memory);
+    }
+    let setup = Setup { built: Built { scrapes: true, ..B::BUILT }, ..B::setup() };
+    let [fast, bulk] = memory;
+    Engine::new_within(kit, setup, Memory::new(fast, bulk), B::STAGE_CYCLES, &mut |_| {})
 }

@@ -28,7 +28,11 @@ impl Performance {
         tail_s: Option<f64>,
     ) -> Self {
         let direct_pads = direct.iter().map(|(pad, _)| *pad);
-        let struck = events.iter().filter(|event| event.action == Action::Strike && event.velocity > 0.0);
+        let is_heard = |event: &&Event| match event.action {
+            Action::Strike => event.velocity > 0.0,
+            action => matches!(action, Action::Touch { .. }),
+        };
+        let struck = events.iter().filter(is_heard);
         let ringing = struck.map(|event| event.pad).chain(direct_pads).map(|pad| ringing_time_s(kit, usize::from(pad)));
         let room_s = kit.room.iter().map(|band| 1.6 * band.t60_s()).fold(0.0, f64::max);
         let tail_s = tail_s.unwrap_or_else(|| (ringing.fold(0.0, f64::max) + room_s).min(LONGEST_TAIL_S));

@@ -9,8 +9,7 @@ use super::error::StudyError;
 use crate::motion::Motion;
 use crate::render::Performance;
 use crate::render::instrument::{self, Output, Settings};
-use crate::render::parts;
-use crate::render::scraped::{self, Ablation, Renderer};
+use crate::render::scraped::{self, Ablation};
 
 /// Sample rate of all studies.
 pub const RATE: SampleRate = SampleRate::HZ_48000;
@@ -56,21 +55,10 @@ impl Scene {
         let binary = build(&kit)?;
         let is_constant = ablations.contains(&Ablation::NormalForce);
         let table = Kit::parse(&binary)?;
-        let scraped = scraped::render(motion, &table, RATE, (Renderer::Instrument, is_constant), |_| {})?;
-        let setup = Setup::new(RATE);
-        let bus = match scraped::direct(&scraped, &kit) {
-            Some(direct) => {
-                let performance = Performance::new(Vec::new(), Some(direct), &kit, RATE, Some(TAIL_S));
-                let settings = Settings { setup, block: 128, budget_cycles: None };
-                instrument::render(&table, &performance, settings, Output::Bus, |_| {})?
-            }
-            None => {
-                let all = scraped::parts(&scraped, &kit);
-                let longest = all.iter().max_by_key(|part| part.direct.1.len()).map(|part| part.direct.clone());
-                let performance = Performance::new(Vec::new(), longest, &kit, RATE, Some(TAIL_S));
-                parts::render(&parts::scenes(&kit, &performance, &all), setup, 128, |_| {})?
-            }
-        };
+        let events = scraped::events(motion, &table, RATE, is_constant)?;
+        let performance = Performance::new(events, None, &kit, RATE, Some(TAIL_S));
+        let settings = Settings { setup: Setup::new(RATE), block: 128, budget_cycles: None };
+        let bus = instrument::render(&table, &performance, settings, Output::Bus, |_| {})?;
         let mean = |[left, right]: [i32; 2]| 0.5 * (f64::from(left) + f64::from(right)) / f64::from(ONE_Q27);
         Ok(bus.into_iter().map(mean).collect())
     }

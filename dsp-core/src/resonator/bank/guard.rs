@@ -71,6 +71,24 @@ impl Bank<'_> {
         self.is_covered = wanted <= MAX_ALLOWANCE;
     }
 
+    /// Guards all groups for a force that goes on, whose |force| sums up to `input` in the tick
+    /// that begins: for 16 such ticks.
+    pub fn expect_ongoing(&mut self, input: u64) {
+        self.guard(input.saturating_mul(16).min(MAX_ALLOWANCE), true);
+        self.is_covered = false;
+    }
+
+    /// True if the allowance does not suffice for an input.
+    pub fn lacks(&self, input: u64) -> bool {
+        self.allowance < input
+    }
+
+    /// True if the next tick guards all ringing groups for a force that goes on.
+    pub fn is_driven_guard_due(&self) -> bool {
+        let is_driven = self.ringing_modes > 0 && self.spent > 0 && !self.is_covered;
+        is_driven && !self.allows(self.spent.saturating_mul(2))
+    }
+
     /// Ends the sound of all modes at once. A hand stays.
     pub fn rest(&mut self) {
         for_each_group(self.modes, self.groups, |group, modes| group.silence(modes));

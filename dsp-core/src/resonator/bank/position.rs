@@ -31,6 +31,11 @@ impl<'m> Bank<'m> {
         Ok(())
     }
 
+    /// True if the table has several positions.
+    pub fn has_positions(&self) -> bool {
+        self.second.has_positions
+    }
+
     /// True if slot 1 may have a force.
     #[inline(always)]
     pub fn has_second_gains(&self) -> bool {

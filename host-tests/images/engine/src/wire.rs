@@ -1,8 +1,9 @@
 //! Format in which the host hands over data: plain memory with a fixed layout, little-endian.
 
 use dsp_core::event::{Action, Event, Time};
+use dsp_core::scrape::Motion;
 
-/// Event as the host writes and reads it: 32 bytes.
+/// Event as the host writes and reads it: 40 bytes.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct WireEvent {
@@ -16,11 +17,13 @@ pub struct WireEvent {
     position: f32,
     /// Number of register groups that a shed decision leaves out; 0 for other events.
     groups: u32,
-    reserved_end: u32,
+    /// Least and largest normal force of a touch; velocity and normal force of a motion.
+    numbers: [f32; 3],
 }
 
 impl WireEvent {
     pub fn event(&self) -> Event {
+        let [x, y, z] = self.numbers;
         Event {
             time: Time { frame: self.frame, fraction: self.fraction },
             pad: self.pad,
@@ -33,7 +36,11 @@ impl WireEvent {
                 2 => Action::Release,
                 3 => Action::Shed(self.groups as u16),
                 4 => Action::Level,
-                _ => Action::Silence,
+                5 => Action::Silence,
+                6 => Action::Touch { rolls: false, normal_n: [x, y] },
+                7 => Action::Touch { rolls: true, normal_n: [x, y] },
+                8 => Action::Move(Motion { velocity_m_per_s: [x, y], normal_n: z }),
+                _ => Action::Lift,
             },
         }
     }
@@ -55,7 +62,7 @@ impl WireEvent {
         velocity: 0.0,
         position: 0.0,
         groups: 0,
-        reserved_end: 0,
+        numbers: [0.0; 3],
     };
 }
 

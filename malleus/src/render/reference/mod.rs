@@ -104,6 +104,8 @@ fn render_part(
                 Action::Shed(_) => return None,
                 // The fader does these.
                 Action::Level | Action::Silence => return None,
+                // Motions come as a direct force.
+                Action::Touch { .. } | Action::Move(_) | Action::Lift => return None,
             };
             Some((event, action))
         })

@@ -57,13 +57,27 @@ pub struct Scraped {
     pub trace: Trace,
 }
 
-/// Settings beside the motion's own.
+/// Settings of a contact beside the motion's own.
 #[derive(Clone, Copy, Debug)]
-struct Held {
+pub(super) struct Held {
     range: NormalRange,
     normal: NormalForce,
     /// True if the normal force counts as constant.
     is_constant: bool,
+}
+
+impl Held {
+    /// Least and largest normal force in newtons.
+    pub(super) fn normal_n(&self) -> [f32; 2] {
+        if self.is_constant { [1.0; 2] } else { [self.range.least_n as f32, self.range.most_n as f32] }
+    }
+
+    /// Motion at a state; without one the striker is lifted.
+    pub(super) fn moved(&self, state: Option<&State>) -> dsp_core::scrape::Motion {
+        let Some(state) = state else { return dsp_core::scrape::Motion::default() };
+        let normal_n = if self.is_constant { 1.0 } else { self.normal.at(state) as f32 };
+        dsp_core::scrape::Motion { velocity_m_per_s: state.velocity_m_per_s.map(|v| v as f32), normal_n }
+    }
 }
 
 /// Renders the force of a motion.
@@ -99,7 +113,7 @@ pub fn render(
 }
 
 /// Grip of a contact's striker, and the range of its normal force over the whole motion.
-fn held(motion: &Motion, kit: &Kit<'_>, index: usize, is_constant: bool) -> Result<Held, ScrapedError> {
+pub(super) fn held(motion: &Motion, kit: &Kit<'_>, index: usize, is_constant: bool) -> Result<Held, ScrapedError> {
     let contact = &motion.contacts()[index];
     let number = kit.pads().nth(contact.pad.into()).and_then(|pad| pad.striker_indices().nth(contact.striker.into()));
     let scrape =
@@ -140,14 +154,9 @@ fn contact(
     (trace, way_m): (&mut Trace, &mut f64),
 ) -> Result<Source, ScrapedError> {
     let touch = &motion.contacts()[index];
-    let rolls = touch.action == Action::Roll;
-    let range = if held.is_constant { [1.0; 2] } else { [held.range.least_n as f32, held.range.most_n as f32] };
-    let mut contact = described(kit, touch, rolls, range)?;
-    // Each touch begins at a place of its own.
+    let mut contact = described(kit, touch, held.normal_n())?;
+    // Each touch begins at a place of its own, as in an engine.
     contact.seed = u32::from(touch.pad).wrapping_add(256 * index as u32);
-    if held.is_constant {
-        contact.rolling = contact.rolling.map(|ball| dsp_core::scrape::Rolling { modulation: 0.0, ..ball });
-    }
     let reference_force_n = f64::from(contact.reference_force_n);
     let size_m = object_size_m(kit, touch);
     let mut scraper = Scraper::new(contact, rate);
@@ -173,9 +182,9 @@ fn contact(
     for tick in first_tick.. {
         let time_s = ((tick + 1) * TICK_FRAMES) as f64 / rate.hz();
         let state = reader.at(time_s).filter(|state| state.contact == index);
-        let motion = moved(state.as_ref(), &held);
+        let motion = held.moved(state.as_ref());
         if let Some(state) = &state {
-            along = (0.5 + state.position_m[0] / f64::from(size_m)).clamp(0.0, 1.0);
+            along = along_object(state, size_m);
         }
         let mut frames = [0; TICK_FRAMES];
         scraper.render(motion, &mut frames).map_err(|error| ScrapedError::Motion { time_s, error })?;
@@ -224,21 +233,14 @@ fn extend(trace: &mut Trace, frames: usize) {
     }
 }
 
-/// Motion at a state; without one the striker is lifted.
-fn moved(state: Option<&State>, held: &Held) -> dsp_core::scrape::Motion {
-    let Some(state) = state else { return dsp_core::scrape::Motion::default() };
-    let normal_n = if held.is_constant { 1.0 } else { held.normal.at(state) as f32 };
-    dsp_core::scrape::Motion { velocity_m_per_s: state.velocity_m_per_s.map(|v| v as f32), normal_n }
-}
-
 /// Contact of a pad's striker with the pad's surface.
-fn described<'k>(
+pub(super) fn described<'k>(
     kit: &Kit<'k>,
     touch: &motion::Contact,
-    rolls: bool,
     normal_n: [f32; 2],
 ) -> Result<Contact<'k>, ScrapedError> {
     let (pad, striker) = (usize::from(touch.pad), usize::from(touch.striker));
+    let rolls = touch.action == Action::Roll;
     if let Some(contact) = Contact::of(kit, pad, striker, rolls, normal_n) {
         return Ok(contact);
     }
@@ -253,8 +255,13 @@ fn described<'k>(
     Err(ScrapedError::DoesNotRoll { pad: name, striker: striker_name(kit, touch) })
 }
 
+/// Place of a state along an object of a length, 0 to 1; the object's middle is place 0 m.
+pub(super) fn along_object(state: &State, size_m: f32) -> f64 {
+    (0.5 + state.position_m[0] / f64::from(size_m)).clamp(0.0, 1.0)
+}
+
 /// Length of a pad's object along its positions, in metres.
-fn object_size_m(kit: &Kit<'_>, touch: &motion::Contact) -> f32 {
+pub(super) fn object_size_m(kit: &Kit<'_>, touch: &motion::Contact) -> f32 {
     let number = kit.pads().nth(touch.pad.into()).map(|pad| pad.object_index());
     let place = kit.object_surfaces().iter().find(|place| Some(usize::from(place.object.get())) == number);
     place.map_or(1.0, |place| place.size_m[0].get())

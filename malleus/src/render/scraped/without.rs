@@ -16,11 +16,15 @@ pub enum Ablation {
 const UNLIMITED: f64 = 0.1;
 
 /// Kit without parts of the model, for a motion on some of its pads. [`Ablation::NormalForce`]
-/// changes no kit: leave the normal force out of [`render`](super::render).
+/// takes the ups and downs of balls alone: leave the rest out of [`events`](super::events) and
+/// [`render`](super::render).
 pub fn without(kit: &kit::Kit, ablations: &[Ablation], pads: &[u8]) -> kit::Kit {
     let mut kit = kit.clone();
     if ablations.contains(&Ablation::Scraper) {
         kit.pads.iter_mut().for_each(|pad| pad.striker_weight = 0.0);
+    }
+    if ablations.contains(&Ablation::NormalForce) {
+        kit.strikers.iter_mut().filter_map(|striker| striker.roll.as_mut()).for_each(|roll| roll.modulation = 0.0);
     }
     if ablations.contains(&Ablation::Nonlinearity) {
         let objects = pads.iter().filter_map(|&pad| {

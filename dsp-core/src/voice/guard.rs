@@ -1,0 +1,54 @@
+//! Headroom of a pad's banks for the force that is expected.
+
+use super::ongoing::{EXPECTED_STEP, Ongoing};
+use super::state::Voice;
+use crate::resonator::Bank;
+
+impl Voice<'_, '_> {
+    /// True if a contact that moves along the object can take its slot with it.
+    pub fn follows_positions(&self) -> bool {
+        self.moves && self.banks.first().is_some_and(Bank::has_positions)
+    }
+
+    /// Expects a force that goes on, by a striker: the sum of |force| of the tick that begins, in
+    /// bus steps. `has_moved` says that its slot stands elsewhere than in the tick before.
+    pub fn expect_ongoing(&mut self, striker: u8, input: u64, has_moved: bool) {
+        let steps = u32::try_from(input.div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
+        self.ongoing.steps = self.ongoing.steps.saturating_add(steps);
+        self.ongoing.strikers |= 1 << (striker & 7);
+        self.ongoing.has_moved |= has_moved;
+        self.struck = true;
+        self.admit();
+    }
+
+    /// Number of register groups that [`Voice::meet_ongoing`] would guard.
+    pub fn groups_to_guard_for_ongoing(&self) -> u32 {
+        let banks = self.banks.iter().enumerate().filter(|(index, bank)| self.ongoing.lacks_guard(*index, bank));
+        banks.map(|(_, bank)| bank.group_count()).sum()
+    }
+
+    /// Guards the banks for the contacts that go on, where they need it; call it before the tick's
+    /// first run.
+    pub fn meet_ongoing(&mut self) {
+        let ongoing = core::mem::replace(&mut self.ongoing, Ongoing::NONE);
+        for (index, bank) in self.banks.iter_mut().enumerate() {
+            if ongoing.lacks_guard(index, bank) {
+                bank.expect_ongoing(ongoing.input());
+            }
+        }
+    }
+
+    /// Guards the banks for contacts that have just begun; call it before their first run.
+    pub fn meet_expected(&mut self) {
+        let expected = u64::from(core::mem::take(&mut self.expected)) * EXPECTED_STEP;
+        if expected > 0 {
+            self.wake();
+            // A bank whose groups are all shed needs no guard.
+            for bank in &mut *self.banks {
+                if bank.has_admitted() {
+                    bank.expect(expected);
+                }
+            }
+        }
+    }
+}
