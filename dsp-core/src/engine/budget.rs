@@ -108,13 +108,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.counts += &counts;
     }
 
-    /// Counts of a tick's beginning.
+    /// Counts of the beginning of a tick in which anything is to be done.
     #[inline(never)]
     pub(super) fn beginning(&self) -> [(CostItem, u32); 6] {
-        if self.idle {
-            let nothing = (CostItem::WakingPad, 0);
-            return [(CostItem::IdleTick, 1), nothing, nothing, nothing, nothing, nothing];
-        }
         let (mut waking, mut due_groups, mut driven_groups, mut reached) = (0, 0, 0, 0);
         let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
         for voice in awake.filter(|voice| !voice.rests()) {

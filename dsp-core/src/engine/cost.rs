@@ -85,7 +85,7 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::Tick, 2060),
-    (CostItem::Pad, 500),
+    (CostItem::Pad, 520),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
     (CostItem::RingingPad, 1089),
@@ -116,7 +116,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::ResidualRun, 420),
     (CostItem::ResidualFrame, 40),
     (CostItem::ResidualCycle, 1),
-    (CostItem::IdleTick, 940),
+    (CostItem::IdleTick, 705),
 ]);
 
 /// Takes the cycles out of a list that must follow the order of [`CostItem`].

@@ -114,7 +114,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
             let mut news = begins_tick;
             if begins_tick {
-                self.tell_due_motions(events);
+                if !events.is_empty() {
+                    self.tell_due_motions(events);
+                }
                 self.begin_tick(direct);
             }
             while let Some((event, later)) =

@@ -23,7 +23,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Applies the motions among a block's events that are due as a tick begins.
-    #[inline(always)]
+    #[inline(never)] // must not weigh on ticks without events
     pub(super) fn tell_due_motions(&mut self, events: &[Event]) {
         let now = self.now;
         for event in events.iter().take_while(|event| event.time.first_frame() <= now) {

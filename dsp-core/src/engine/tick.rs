@@ -38,7 +38,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.frames.is_some() {
             self.begin_frames_tick();
         }
-        if self.budget.is_some() {
+        if self.budget.is_some() && self.idle {
+            self.report.counts.add(CostItem::IdleTick, 1);
+        } else if self.budget.is_some() {
             let counts = self.beginning();
             self.report.counts.add_all(counts);
             self.report.counts.add_all(chokes);

@@ -102,8 +102,8 @@ fn a_silent_engine_and_its_memory_stay_small() {
     assert!(ringing.stack_bytes <= 2048, "{} bytes of stack", ringing.stack_bytes);
     // The engine has every stage. Without noise, filters and room an engine took 78 582 bytes while
     // it had type parameters for them. The path of the build stands in the messages of panics, and
-    // adds some bytes. Frames take 24 KB.
-    assert!(footprint.flash <= 288 * 1024, "the engine without its kit: {} bytes", footprint.flash);
+    // adds some bytes. Frames take 24 KB, contacts that go on 34 KB.
+    assert!(footprint.flash <= 312 * 1024, "the engine without its kit: {} bytes", footprint.flash);
     // 64 contacts, as all engines have, take 2 KB of the RAM.
     assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);
 }
