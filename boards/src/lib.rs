@@ -94,6 +94,7 @@ pub trait Board {
             room_samples: Self::ROOM_SAMPLES,
             frame_cycles: Some(Self::FRAME_CYCLES),
             position_cycles: Some(Self::POSITION_CYCLES),
+            position_step: 1.0 / 128.0,
             frame_worst_percent: Self::FRAME_WORST_PERCENT,
             loop_percent: 100 * Self::FRAME_WORST_PERCENT / Self::WORST_PERCENT,
             ceiling_db: Self::CEILING_DB,

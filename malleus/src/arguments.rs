@@ -86,7 +86,7 @@ pub(crate) struct PlayArguments {
     pub(crate) pad: Option<String>,
     /// Motion of scrapers and balls over pads with a surface, with or without strikes: CSV with the
     /// columns time_s|sample,pad,action,striker,x_m,y_m,normal_n (docs/motion.md)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["direct", "log"])]
+    #[arg(long, value_name = "FILE", conflicts_with = "direct")]
     pub(crate) motion: Option<PathBuf>,
     /// WAV file of the motion's force in newtons, its normal force in newtons, speed in m/s and
     /// distance in metres, as four channels of 32-bit float
@@ -130,7 +130,8 @@ pub(crate) struct PlayArguments {
     #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
     pub(crate) budget_mhz: Option<f64>,
     /// Write all events as they were played as CSV, with those that left modes out for want of
-    /// time; played with --strikes, the file gives the same sound, bit for bit
+    /// time; played with --strikes, beside the same --motion, the file gives the same sound, bit for
+    /// bit
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["reference", "direct"])]
     pub(crate) log: Option<PathBuf>,
     /// Print a machine-readable report on stdout (docs/json.md)

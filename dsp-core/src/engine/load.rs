@@ -139,6 +139,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             levels: &mut [],
             rate: setup.rate,
             skipping: setup.skipping,
+            position_step: setup.position_step,
             built: setup.built,
             room_samples: setup.room_samples,
             has_mixer: false,

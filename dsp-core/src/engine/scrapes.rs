@@ -29,8 +29,10 @@ pub(super) struct Place<'k> {
     /// True if it ends with the sound that a [`Action::Silence`] is ending.
     pub(super) ends_soon: bool,
     pub(super) motion: Motion,
-    /// Place along the object, 0 to 1, and that of the slot.
+    /// Place along the object, 0 to 1, at the end of the coming tick and of the last one, and that
+    /// of the slot.
     pub(super) position: f32,
+    pub(super) last_position: f32,
     pub(super) slot_position: f32,
     pub(super) scraper: Scraper<'k>,
 }
@@ -47,6 +49,7 @@ impl<'k> Place<'k> {
             ends_soon: false,
             motion: Motion::default(),
             position: 0.0,
+            last_position: 0.0,
             slot_position: 0.0,
             scraper: Scraper::new(contact, rate),
         }
@@ -55,6 +58,11 @@ impl<'k> Place<'k> {
     /// True if the next tick has something to render.
     pub(super) fn is_due(&self) -> bool {
         self.motion.velocity_m_per_s != [0.0; 2] || !self.scraper.is_silent()
+    }
+
+    /// Place along the object in the middle of the coming tick.
+    pub(super) fn middle(&self) -> f32 {
+        0.5 * (self.last_position + self.position)
     }
 
     /// True if it touches, or fades after its lift.

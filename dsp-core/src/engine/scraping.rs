@@ -12,10 +12,6 @@ use crate::scrape::{Contact, Motion};
 use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
 
-/// Least change of a contact's place, of 0 to 1 along the object, at which the gains of its slot
-/// follow it: a move derives all of them anew.
-const LEAST_MOVE: f32 = 1.0 / 128.0;
-
 impl<S: Sample> Engine<'_, '_, S> {
     /// True if a striker of a pad can scrape or roll on it.
     pub(super) fn has_surface(&self, pad: u8, striker: u8, rolls: bool) -> bool {
@@ -74,6 +70,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         (place.pad, place.striker, place.slot) = (pad, striker, slot.slot);
         (place.leads_slot, place.touches, place.ends_soon) = (leads_slot, true, false);
         (place.motion, place.position, place.slot_position) = (Motion::default(), position, slot_position);
+        place.last_position = position;
         place.scraper.begin(contact);
         self.scrapes.touch_cycles += contact.touch_cycles();
     }
@@ -93,6 +90,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 self.follow(index);
             }
             let Some(place) = self.scrapes.places.get_mut(index) else { break };
+            place.last_position = place.position;
             let scraper = &mut place.scraper;
             let Some(force) = self.contacts.ongoing.begin(index, (pad, striker), place.slot) else { break };
             let is_rendered = scraper.render(place.motion, force).is_ok();
@@ -125,16 +123,16 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// True if a contact's slot is to move to the contact's place. Impacts that are under way keep
     /// it where it is.
     fn slot_follows(&self, place: &Place<'_>) -> bool {
-        let has_moved = (place.position - place.slot_position).abs() >= LEAST_MOVE;
+        let has_moved = (place.middle() - place.slot_position).abs() > self.position_step;
         place.leads_slot && has_moved && !self.contacts.is_any_in(place.pad, place.slot)
     }
 
     /// Moves a contact's slot to the contact's place.
     fn follow(&mut self, index: usize) {
         let Some(place) = self.scrapes.places.get_mut(index) else { return };
-        place.slot_position = place.position;
-        let Place { pad, slot, position, .. } = *place;
-        self.set_position(pad, slot, position);
+        place.slot_position = place.middle();
+        let Place { pad, slot, slot_position, .. } = *place;
+        self.set_position(pad, slot, slot_position);
         if self.budget.is_some() {
             let moved = self.moved_slot(pad).counts();
             self.report.counts.add_all(moved);

@@ -40,6 +40,9 @@ pub struct Setup {
     /// [`CostItem::MovedGroup`](super::CostItem::MovedGroup) a group); pads that need more are
     /// struck at position 0. `None` means no limit.
     pub position_cycles: Option<u32>,
+    /// Least change of a contact's place along its object, of 0 to 1, beyond which the gains follow
+    /// it as it scrapes: each time they are all derived anew.
+    pub position_step: f32,
     /// Most cycles that frames take, in percent of their nominal ones: what they leave of
     /// `frame_cycles` limits the stages of [`Engine::new_within`](super::Engine::new_within) too.
     pub frame_worst_percent: u32,
@@ -63,6 +66,7 @@ impl Setup {
             room_samples: 49_152,
             frame_cycles: None,
             position_cycles: None,
+            position_step: 0.0,
             frame_worst_percent: 100,
             loop_percent: 100,
             ceiling_db: None,

@@ -71,6 +71,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) levels: &'m mut [u8],
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
+    /// Least change of place at which the gains follow a contact that goes on.
+    pub(super) position_step: f32,
     /// Optional stages that are loaded.
     pub(super) built: Built,
     pub(super) room_samples: usize,

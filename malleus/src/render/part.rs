@@ -43,7 +43,10 @@ pub(super) fn of_striker(kit: &kit::Kit, pad: &kit::Pad, striker: usize) -> Opti
     let own = kit.strikers.iter().find(|striker| striker.name == *name && !striker.modes.is_empty())?;
     let mut part = without_own_modes(kit);
     let object = part.objects.iter_mut().find(|object| object.name == pad.object)?;
-    object.acceleration = kit::Acceleration::Factor(0.0);
+    // The object's part has its acceleration sound; a balance holds for the striker's modes too.
+    if object.acceleration != kit::Acceleration::Balance {
+        object.acceleration = kit::Acceleration::NONE;
+    }
     (object.residual, object.dynamic_filter, object.biquads) = (None, None, None);
     object.modes = own.modes.clone();
     for gain in object.modes.iter_mut().flat_map(|mode| &mut mode.gains) {

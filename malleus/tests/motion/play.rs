@@ -113,22 +113,61 @@ fn instrument_and_reference_play_the_same_motion_and_each_ablation_sounds_differ
             sound(&folder.join("out.wav"))
         };
         let full = play("");
-        let snr_db = |other: &[i32]| {
-            let [signal, noise] = full.iter().zip(other).fold([0.0, 0.0], |[signal, noise], (&a, &b)| {
-                [signal + f64::from(a).powi(2), noise + f64::from(a - b).powi(2)]
-            });
-            10.0 * (signal / noise).log10()
-        };
-        let reference = snr_db(&play(" --reference"));
+        let reference = snr_db(&full, &play(" --reference"));
         println!("{motion}: {reference:.1} dB from the reference");
         assert!(reference > least_db, "{motion}: {reference:.1} dB from the reference");
         assert_eq!(full, play(" --block 7"), "any block gives the same sound");
         for part in ["nonlinearity", "normal-force", "scraper"] {
-            let distance = snr_db(&play(&format!(" --without {part}")));
+            let distance = snr_db(&full, &play(&format!(" --without {part}")));
             println!("{motion} without {part}: {distance:.1} dB from the whole");
             assert!((-20.0..40.0).contains(&distance), "{motion} without {part}: {distance:.1} dB");
         }
     }
+}
+
+/// Distance of a sound from another in dB of the first.
+fn snr_db(whole: &[i32], other: &[i32]) -> f64 {
+    let [signal, noise] = whole.iter().zip(other).fold([0.0, 0.0], |[signal, noise], (&a, &b)| {
+        [signal + f64::from(a).powi(2), noise + f64::from(a - b).powi(2)]
+    });
+    10.0 * (signal / noise).log10()
+}
+
+#[test]
+fn contact_that_moves_along_an_object_comes_near_to_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (path, least_db) in [("scribble --pad marimba --striker pen", 62.0), ("circle --pad drum", 62.0)] {
+        runs(folder, &format!("motion {path} -o m.csv"));
+        let play = |more: &str| {
+            runs(folder, &format!("play --kit scrapes --motion m.csv --tail 0.1 -o out.wav{more}"));
+            sound(&folder.join("out.wav"))
+        };
+        let distance = snr_db(&play(" --reference"), &play(""));
+        println!("{path}: {distance:.1} dB from the reference");
+        assert!((least_db..100.0).contains(&distance), "{path}: {distance:.1} dB");
+    }
+}
+
+#[test]
+fn log_of_a_motion_under_a_budget_plays_to_the_same_bits_with_the_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(
+        folder.join("s.csv"),
+        "time_s,pad,velocity\n0.1,glass,0.9\n0.15,drum,0.9\n0.3,drum,0.5\n0.31,bowl,1\n0.8,drum,0.7\n",
+    )
+    .unwrap();
+    runs(folder, "motion circle --pad drum -o m.csv");
+    let play = |words: &str| {
+        runs(folder, &format!("play --kit scrapes --motion m.csv --tail 0.3 -o out.wav {words}"));
+        sound(&folder.join("out.wav"))
+    };
+    let whole = play("--strikes s.csv");
+    let shed = play("--strikes s.csv --budget-mhz 60 --log l.csv");
+    let log = fs::read_to_string(folder.join("l.csv")).unwrap();
+    assert!(log.contains("shed") && shed != whole, "{log}");
+    assert!(play("--strikes l.csv --block 77") == shed, "the log plays otherwise");
 }
 
 #[test]
