@@ -105,7 +105,7 @@ fn a_silent_engine_and_its_memory_stay_small() {
     // adds some bytes. Frames take 24 KB, contacts that go on 34 KB.
     assert!(footprint.flash <= 312 * 1024, "the engine without its kit: {} bytes", footprint.flash);
     // 64 contacts, as all engines have, take 2 KB of the RAM.
-    assert!(footprint.ram <= 19 * 1024, "{} bytes", footprint.ram);
+    assert!(footprint.ram <= 19_600, "{} bytes", footprint.ram);
 }
 
 /// This is the kit for whose engine the limit of memory above holds: 512 modes on eight pads.
