@@ -52,9 +52,9 @@ pub enum Action {
     Level,
     /// All sound ends within 5 ms, with all contacts that go on. The event's pad does not matter.
     Silence,
-    /// The striker touches the pad's surface, at rest at the event's position, from the tick on
-    /// that begins at the event or next. It scrapes or rolls as [`Action::Move`] says, until a
-    /// [`Action::Lift`].
+    /// The striker touches the pad's surface, if the engine plays contacts that go on, at rest at
+    /// the event's position, from the tick on that begins at the event or next. It scrapes or rolls
+    /// as [`Action::Move`] says, until a [`Action::Lift`].
     Touch {
         /// True if it rolls, false if it scrapes.
         rolls: bool,
@@ -64,8 +64,8 @@ pub enum Action {
         normal_n: [f32; 2],
     },
     /// The striker that touches the pad moves, and the event's position is its place along the
-    /// object: over the tick that begins at the event or next, motion and place go in straight
-    /// lines to these, and stay there until they are told anew.
+    /// object: over the tick that begins at the event or next, speed and limit go in straight lines
+    /// to these, and the place follows. They stay there until they are told anew.
     Move(Motion),
     /// The striker leaves the pad's surface, from the tick on that begins at the event or next.
     Lift,

@@ -130,8 +130,8 @@ pub(crate) struct PlayArguments {
     #[arg(long, value_name = "MHZ", value_parser = parse_budget, conflicts_with_all = ["reference", "no_skip"])]
     pub(crate) budget_mhz: Option<f64>,
     /// Write all events as they were played as CSV, with those that left modes out for want of
-    /// time; played with --strikes, beside the same --motion, the file gives the same sound, bit for
-    /// bit
+    /// time; played with --strikes, beside the same --motion, the file gives the same sound, bit
+    /// for bit
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["reference", "direct"])]
     pub(crate) log: Option<PathBuf>,
     /// Print a machine-readable report on stdout (docs/json.md)

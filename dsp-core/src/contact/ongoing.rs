@@ -78,6 +78,12 @@ impl<'m> OngoingForces<'m> {
         self.places.get_mut(index).into_iter().for_each(Ongoing::end);
     }
 
+    /// True if any force may act.
+    #[inline(always)]
+    pub fn has_places(&self) -> bool {
+        !self.places.is_empty()
+    }
+
     // Kits without surfaces have no places, and pay for a look at their number alone.
 
     /// True if any force acts in the tick's rest.

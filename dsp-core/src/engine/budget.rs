@@ -181,13 +181,13 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
         }
         let struck = core::mem::take(&mut self.struck);
-        struck.fill(false);
+        struck.fill(0);
         let total = self.count_rest_of_tick(upcoming, direct, struck);
         self.struck = struck;
         total
     }
 
-    fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [bool]) -> Counts {
+    fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [u8]) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
         let news = upcoming.iter().filter(|event| !event.acts_on_tick());
@@ -201,7 +201,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
                 total.add_all(self.event_counts(event));
                 if let (Action::Strike, Some(struck)) = (event.action, struck.get_mut(usize::from(event.pad))) {
-                    *struck = true;
+                    *struck |= 1 << (event.striker & 7);
                 }
             }
             now = next;
@@ -209,15 +209,16 @@ impl<S: Sample> Engine<'_, '_, S> {
         total
     }
 
-    /// Adds the counts of a run of frames. `struck` says for each pad that a known event will have
-    /// struck it by then; if empty, none will.
-    fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool], counts: &mut Counts) {
-        if frames == 0 || self.idle && direct.is_none() && !struck.contains(&true) {
+    /// Adds the counts of a run of frames. `struck` has for each pad a bit for each striker by
+    /// which a known event will have struck it by then; if empty, none will.
+    fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[u8], counts: &mut Counts) {
+        if frames == 0 || self.idle && direct.is_none() && struck.iter().all(|&strikers| strikers == 0) {
             return;
         }
         counts.add(CostItem::Look, 1);
         if self.noisy {
-            let begun = struck.iter().zip(0u8..).filter(|(is, pad)| **is && self.has_noise(*pad)).count();
+            let begun =
+                struck.iter().zip(0u8..).filter(|(strikers, pad)| **strikers != 0 && self.has_noise(*pad)).count();
             let noises = (self.noises() + begun) as u32;
             counts.add(CostItem::ResidualRun, noises);
             counts.add(CostItem::ResidualFrame, noises * frames);
@@ -226,7 +227,8 @@ impl<S: Sample> Engine<'_, '_, S> {
             let Some(voice) = self.voices.get(usize::from(number)) else { break };
             // The cycles of a pad in frames are counted with its head.
             counts.add(CostItem::Pad, u32::from(voice.frames().is_none()));
-            let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let strikers = struck.get(usize::from(number)).copied().unwrap_or(0);
+            let struck = strikers != 0;
             let is_direct = direct.is_some() && direct_input(direct, number) > 0.0;
             let pad_banks = voice.banks();
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
@@ -239,8 +241,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             let mut on_bus = false;
             let with_modes = (0u8..).zip(pad_banks).filter(|(_, bank)| bank.mode_count() > 0);
             for (index, bank) in with_modes {
-                // Bank 0 is the object's. A strike to come may be by any striker.
-                let by = || struck || is_direct && index == 1 || self.contacts.is_any_by(number, index - 1);
+                // Bank 0 is the object's.
+                let is_struck_by = || strikers >> ((index - 1) & 7) & 1 == 1;
+                let by = || is_struck_by() || is_direct && index == 1 || self.contacts.is_any_by(number, index - 1);
                 let is_driven = is_driven && (index == 0 || by());
                 let used = if is_driven { Use::Driven } else { Use::Free };
                 let (cycles, running) = bank.cycles(used, frames);
@@ -262,10 +265,10 @@ impl<S: Sample> Engine<'_, '_, S> {
             if ongoing_frames > 0 && !(voice.expects() || struck) {
                 counts.add(CostItem::GuardedGroup, voice.groups_to_guard_for_ongoing());
             }
-            let (strikers, driven_strikers) = (banks.max(1) - 1, driven_banks.max(1) - 1);
-            counts.add(CostItem::DrivenStrikerBank, driven_strikers);
-            counts.add(CostItem::StrikerBank, strikers - driven_strikers);
-            counts.add(CostItem::BusFrame, strikers * frames);
+            let (own_banks, driven_banks) = (banks.max(1) - 1, driven_banks.max(1) - 1);
+            counts.add(CostItem::DrivenStrikerBank, driven_banks);
+            counts.add(CostItem::StrikerBank, own_banks - driven_banks);
+            counts.add(CostItem::BusFrame, own_banks * frames);
             if is_driven && groups == 0 {
                 // Nothing answers the force.
                 continue;
@@ -294,10 +297,10 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Adds what pads in frames take of a run: their heads, and the buses of those whose strikers
     /// have no modes that sound.
     #[inline(never)] // must not weigh on kits without frames
-    fn add_heads(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[bool], counts: &mut Counts) {
+    fn add_heads(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[u8], counts: &mut Counts) {
         for (voice, number) in self.voices.iter().zip(0u8..) {
             let Some(object) = voice.frames() else { continue };
-            let struck = struck.get(usize::from(number)).copied().unwrap_or(false);
+            let struck = struck.get(usize::from(number)).is_some_and(|&strikers| strikers != 0);
             let contact_frames = self.contacts.frames_ahead(number, frames) + if struck { frames } else { 0 };
             let is_direct = direct_input(direct, number) > 0.0;
             let ongoing_frames = self.contacts.ongoing.frames_ahead(number, frames);

@@ -84,8 +84,8 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 2060),
-    (CostItem::Pad, 520),
+    (CostItem::Tick, 2000),
+    (CostItem::Pad, 490),
     (CostItem::WakingPad, 462),
     (CostItem::DueGroup, 118),
     (CostItem::RingingPad, 1089),

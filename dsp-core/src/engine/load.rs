@@ -135,7 +135,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             },
             listening: memory.take(Region::Fast, pads, || None).map_err(missing)?,
             awake: Awake::take(memory, pads).map_err(missing)?,
-            struck: memory.take(Region::Fast, pads, || false).map_err(missing)?,
+            struck: memory.take(Region::Fast, pads, || 0).map_err(missing)?,
             levels: &mut [],
             rate: setup.rate,
             skipping: setup.skipping,
@@ -205,7 +205,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         let pads = (0..kit.pads().len()).flat_map(|pad| (0..STRIKERS_PER_PAD).map(move |striker| (pad, striker)));
         let mut contacts = pads.filter_map(|(pad, striker)| Contact::of(&kit, pad, striker, false, [0.0; 2]));
         let Some(contact) = contacts.next() else { return Ok(()) };
-        if !(Built::HERE.scrapes && self.built.scrapes) {
+        if !self.can_scrape() {
             return fitting.leave_out(LoadError::NotBuilt { stage });
         }
         if !fits(memory, |count| Scrapes::take(count, contact, self.rate), stage, fitting)? {

@@ -30,7 +30,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             let Some(tables) = PadTables::new(kit, usize::from(number)) else { continue };
             let refused = |(error, striker)| LoadError::Pad { pad: usize::from(number), striker, error, rate };
             let size = VoiceSize::new(&tables, rate).map_err(refused)?;
-            let framed = size.in_frames(&tables, rate, fewest).map_err(|error| refused((error, None)))?;
+            let framed =
+                size.in_frames(&tables, rate, fewest, self.can_scrape()).map_err(|error| refused((error, None)))?;
             let framed = framed.and_then(|framed| self.admit_to_frames(number, framed, memory));
             let (size, form) = framed.map_or_else(|reason| (size, reason), |framed| (framed, Form::Frames));
             let missing = |error| LoadError::Memory { stage: Stage::Modes(number), error };
@@ -89,7 +90,7 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         let framed = |number| {
             let tables = PadTables::new(self.kit, number)?;
             let size = VoiceSize::new(&tables, self.rate).ok()?;
-            size.in_frames(&tables, self.rate, FEWEST_MODES_OF_SEVERAL).ok()?.ok()
+            size.in_frames(&tables, self.rate, FEWEST_MODES_OF_SEVERAL, self.can_scrape()).ok()?.ok()
         };
         let modes: usize = (0..self.kit.pads().len()).filter_map(framed).map(|size| size.modes_in_frames()).sum();
         if modes < FEWEST_MODES { FEWEST_MODES } else { FEWEST_MODES_OF_SEVERAL }
@@ -100,11 +101,15 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
     fn is_direct(&self, number: u8) -> bool {
         let pad = usize::from(number);
         let strikers = 0..self.kit.pads().nth(pad).map_or(0, |pad| pad.striker_indices().count());
-        let is_scraped = Built::HERE.scrapes
-            && self.built.scrapes
+        let is_scraped = self.can_scrape()
             && strikers.into_iter().any(|striker| Contact::is_possible(&self.kit, pad, striker, false));
         is_scraped
             || self.kit.triggers().any(|trigger| trigger.pad_index() == usize::from(number) && trigger.is_direct())
+    }
+
+    /// True if the program and the setup have contacts that go on.
+    pub(super) fn can_scrape(&self) -> bool {
+        Built::HERE.scrapes && self.built.scrapes
     }
 
     /// Gives back the size of a pad in frames, or the reason why its modes stay in the bank:

@@ -2,7 +2,7 @@
 
 use super::report::TickReport;
 use super::state::{Direct, Engine};
-use crate::event::{Event, EventError};
+use crate::event::{Action, Event, EventError};
 use crate::output;
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
@@ -114,7 +114,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
             let mut news = begins_tick;
             if begins_tick {
-                if !events.is_empty() {
+                if !events.is_empty() || self.scrapes.are_told() {
                     self.tell_due_motions(events);
                 }
                 self.begin_tick(direct);
@@ -122,6 +122,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             while let Some((event, later)) =
                 events.split_first().filter(|(event, _)| event.time.first_frame() <= self.now)
             {
+                if !begins_tick && event.action == Action::Silence {
+                    self.end_contacts();
+                }
                 if !(begins_tick && event.is_motion()) {
                     self.apply(event, direct);
                 }
@@ -134,7 +137,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 if core::mem::take(&mut self.expects) {
                     self.meet_expected();
                 }
-                if begins_tick && self.contacts.ongoing.is_any() {
+                if begins_tick && self.contacts.ongoing.has_places() {
                     self.meet_ongoing();
                 }
             }

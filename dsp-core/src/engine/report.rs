@@ -45,8 +45,10 @@ pub struct TickReport {
     /// Number of runs of register groups whose input was refused for want of headroom.
     pub refused_inputs: u32,
     /// Number of residuals, dynamic filters and banks of biquads that strikes did not begin for
-    /// want of time, and of contacts that go on for want of time or of a place.
+    /// want of time.
     pub refused_stages: u32,
+    /// Number of touches that were left out for want of time or of a place.
+    pub refused_scrapes: u32,
     /// Number of modes that retired at this tick.
     pub retired_modes: u32,
     /// Bound of the amplitude that retired modes leave out, 1.0 = full scale; below 10^-5.
@@ -97,6 +99,7 @@ impl TickReport {
         extra_guards: 0,
         refused_inputs: 0,
         refused_stages: 0,
+        refused_scrapes: 0,
         retired_modes: 0,
         retired_amplitude: 0.0,
         residual_frames: 0,

@@ -7,12 +7,17 @@
 
 use crate::SampleRate;
 use crate::contact::OngoingForces;
+use crate::event::{Action, Event};
 use crate::memory::{Memory, OutOfMemory, Region};
 use crate::scrape::{Contact, Motion, Scraper};
 
 /// Maximum number of contacts that go on at once, those that fade after their lift included: two
 /// hands. A further one is refused.
 pub const STANDARD_SCRAPES: usize = 2;
+
+/// Maximum number of motions that are told within a tick. Of one contact's motions in a row only
+/// the last one counts.
+const MOST_TOLD: usize = 16;
 
 /// One contact that goes on.
 #[derive(Debug)]
@@ -80,6 +85,10 @@ impl<'k> Place<'k> {
 #[derive(Debug)]
 pub(super) struct Scrapes<'k, 'm> {
     pub(super) places: &'m mut [Place<'k>],
+    /// Motions that were told within the tick, and their number. They take effect as the next one
+    /// begins, whatever has happened by the end of a block.
+    told: &'m mut [Event],
+    told_count: usize,
     /// Number of touches since the load: each begins at a place of its own on the surface.
     pub(super) touches: u32,
     /// Cycles of the touches since the last tick, and the number of those that were refused.
@@ -90,7 +99,7 @@ pub(super) struct Scrapes<'k, 'm> {
 impl<'k, 'm> Scrapes<'k, 'm> {
     /// No contact can go on.
     pub(super) const fn none() -> Self {
-        Self { places: &mut [], touches: 0, touch_cycles: 0, refused: 0 }
+        Self { places: &mut [], told: &mut [], told_count: 0, touches: 0, touch_cycles: 0, refused: 0 }
     }
 
     /// Takes memory for [`STANDARD_SCRAPES`] and their forces. `contact` is any that the kit
@@ -104,14 +113,47 @@ impl<'k, 'm> Scrapes<'k, 'm> {
         'k: 'm,
     {
         let places = memory.take(Region::Bulk, STANDARD_SCRAPES, || Place::new(contact, rate))?;
-        Ok((Self { places, ..Self::none() }, OngoingForces::take(memory, STANDARD_SCRAPES)?))
+        let told = memory.take(Region::Bulk, MOST_TOLD, || Event::NOTHING)?;
+        Ok((Self { places, told, ..Self::none() }, OngoingForces::take(memory, STANDARD_SCRAPES)?))
     }
 
     /// True if the next tick has something to render or to tell.
     #[inline(always)]
     pub(super) fn are_due(&self) -> bool {
-        let has_news = || self.touch_cycles > 0 || self.refused > 0;
+        let has_news = || self.told_count > 0 || self.touch_cycles > 0 || self.refused > 0;
         !self.places.is_empty() && (has_news() || self.places.iter().any(Place::is_due))
+    }
+
+    /// Notes a motion within a tick.
+    pub(super) fn note(&mut self, event: &Event) {
+        let told = self.told.get_mut(..self.told_count).unwrap_or(&mut []);
+        let mut own = told.iter_mut().rev().filter(|told| (told.pad, told.striker) == (event.pad, event.striker));
+        if let (Action::Move(_), Some(last)) = (event.action, own.next())
+            && matches!(last.action, Action::Move(_))
+        {
+            *last = *event;
+        } else if let Some(place) = self.told.get_mut(self.told_count) {
+            *place = *event;
+            self.told_count += 1;
+        } else if !self.places.is_empty() {
+            self.refused += 1;
+        }
+    }
+
+    /// True if any motion was told within the last tick.
+    #[inline(always)]
+    pub(super) fn are_told(&self) -> bool {
+        self.told_count > 0
+    }
+
+    /// Motion that was told within the last tick, from the first one on.
+    pub(super) fn told(&self, index: usize) -> Option<Event> {
+        self.told.get(..self.told_count)?.get(index).copied()
+    }
+
+    /// Forgets the motions that were told.
+    pub(super) fn forget_told(&mut self) {
+        self.told_count = 0;
     }
 
     /// True if a contact holds a position slot of a pad, at rest or not.
@@ -121,21 +163,27 @@ impl<'k, 'm> Scrapes<'k, 'm> {
 
     /// Lets all contacts end with the sound that is ending.
     pub(super) fn end_soon(&mut self) {
-        self.places.iter_mut().for_each(|place| place.ends_soon = true);
+        self.forget_told();
+        for place in self.places.iter_mut().filter(|place| place.is_taken()) {
+            place.ends_soon = true;
+        }
     }
 
     /// Ends the contacts that were to end soon.
     pub(super) fn end_those(&mut self) {
         for place in self.places.iter_mut().filter(|place| place.ends_soon) {
             place.lift();
-            place.scraper.begin(*place.scraper.contact());
+            place.ends_soon = false;
+            place.scraper.stop();
         }
     }
 
-    /// Nominal cycles that the contacts take in their dearest ticks.
-    pub(super) fn dearest_ticks(&self) -> u32 {
-        let taken = self.places.iter().filter(|place| place.is_taken());
-        taken.map(|place| place.scraper.contact().dearest_tick()).sum()
+    /// Nominal cycles of each contact's dearest tick, without those that fade and that of a pad's
+    /// striker.
+    pub(super) fn dearest_ticks(&self, (pad, striker): (u8, u8)) -> impl Iterator<Item = u32> {
+        let touching =
+            self.places.iter().filter(move |place| place.touches && (place.pad, place.striker) != (pad, striker));
+        touching.map(|place| place.scraper.contact().dearest_tick())
     }
 
     /// Place in which a pad's striker touches.

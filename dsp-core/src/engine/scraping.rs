@@ -18,25 +18,42 @@ impl<S: Sample> Engine<'_, '_, S> {
         Contact::is_possible(&self.kit, usize::from(pad), usize::from(striker), rolls)
     }
 
-    /// Applies the motions among a block's events that are due as a tick begins.
+    /// Applies the motions that were told within the last tick, and those among a block's events
+    /// that are due as a tick begins.
     #[inline(never)] // must not weigh on ticks without events
     pub(super) fn tell_due_motions(&mut self, events: &[Event]) {
-        let now = self.now;
+        let (now, mut index) = (self.now, 0);
+        while let Some(event) = self.scrapes.told(index) {
+            self.tell_motion(&event);
+            index += 1;
+        }
+        self.scrapes.forget_told();
         for event in events.iter().take_while(|event| event.time.first_frame() <= now) {
             if event.is_motion() {
                 self.tell_motion(event);
+            } else if event.action == Action::Silence {
+                self.end_contacts();
             }
         }
     }
 
-    /// Notes what a contact that goes on does from the next tick on.
-    #[inline(never)] // must not weigh on strikes
-    pub(super) fn tell_motion(&mut self, event: &Event) {
+    /// Ends all contacts that go on with the sound that is ending, at once if there is none.
+    #[inline(never)] // rare
+    pub(super) fn end_contacts(&mut self) {
+        self.scrapes.end_soon();
+        if self.idle {
+            self.scrapes.end_those();
+        }
+    }
+
+    /// Notes what a contact that goes on does from the tick on that begins.
+    fn tell_motion(&mut self, event: &Event) {
         let Event { pad, striker, position, .. } = *event;
         match event.action {
             Action::Touch { rolls, normal_n } => self.touch(event, rolls, normal_n),
             Action::Move(motion) => {
-                if let Some(place) = self.scrapes.touching(pad, striker) {
+                // A contact that is ending goes on as it did.
+                if let Some(place) = self.scrapes.touching(pad, striker).filter(|place| !place.ends_soon) {
                     (place.motion, place.position) = (motion, position);
                 }
             }
@@ -52,16 +69,23 @@ impl<S: Sample> Engine<'_, '_, S> {
         let Event { pad, striker, position, .. } = *event;
         let touches = self.scrapes.touches;
         self.scrapes.touches = touches.wrapping_add(1);
-        self.scrapes.touching(pad, striker).into_iter().for_each(Place::lift);
+        if self.scrapes.places.is_empty() {
+            return;
+        }
         let contact = Contact::of(&self.kit, usize::from(pad), usize::from(striker), rolls, normal_n);
         let Some(mut contact) = contact else { return };
         contact.seed = contact.seed.wrapping_add(touches << 8);
+        // The contact before it, of the same striker, only fades from now on.
+        let mut left = CyclesLeft::new(self.stage_cycles, self.sounding_cycles_beside((pad, striker)));
+        if !left.admits(false, Stage::Scrapes.worst_cycles(contact.dearest_tick())) {
+            self.scrapes.refused += 1;
+            return;
+        }
+        self.scrapes.touching(pad, striker).into_iter().for_each(Place::lift);
         let Some(voice) = self.voices.get(usize::from(pad)) else { return };
         let slot = voice.place_of(position, |slot| self.is_slot_taken(pad, slot));
-        let leads_slot = voice.follows_positions() && !slot.is_merged;
-        let mut left = CyclesLeft::new(self.stage_cycles, self.sounding_cycles());
-        let has_time = left.admits(false, Stage::Scrapes.worst_cycles(contact.dearest_tick()));
-        let Some(place) = self.scrapes.vacant().filter(|_| has_time) else {
+        let leads_slot = voice.follows_positions() && !slot.is_merged && !self.scrapes.hold(pad, slot.slot);
+        let Some(place) = self.scrapes.vacant() else {
             self.scrapes.refused += 1;
             return;
         };
@@ -72,21 +96,21 @@ impl<S: Sample> Engine<'_, '_, S> {
         (place.motion, place.position, place.slot_position) = (Motion::default(), position, slot_position);
         place.last_position = position;
         place.scraper.begin(contact);
-        self.scrapes.touch_cycles += contact.touch_cycles();
+        self.scrapes.touch_cycles = self.scrapes.touch_cycles.saturating_add(contact.touch_cycles());
     }
 
     /// Renders the force of the tick that begins.
     #[inline(never)] // must not weigh on kits without surfaces
     pub(super) fn scrape(&mut self) {
         let mut cycles = core::mem::take(&mut self.scrapes.touch_cycles);
-        self.report.refused_stages += core::mem::take(&mut self.scrapes.refused);
+        self.report.refused_scrapes += core::mem::take(&mut self.scrapes.refused);
         for index in 0..STANDARD_SCRAPES {
             let Some(place) = self.scrapes.places.get(index) else { break };
             if !place.is_due() {
                 continue;
             }
-            let (pad, striker, follows) = (place.pad, place.striker, self.slot_follows(place));
-            if follows {
+            let (pad, striker) = (place.pad, place.striker);
+            if self.slot_follows(place) {
                 self.follow(index);
             }
             let Some(place) = self.scrapes.places.get_mut(index) else { break };
@@ -104,7 +128,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let input = force.iter().map(|x| u64::from(x.unsigned_abs())).sum();
             self.wake(pad);
             if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
-                voice.expect_ongoing(striker, input, follows);
+                voice.expect_ongoing(striker, input);
             }
         }
         if self.budget.is_some() {
@@ -133,6 +157,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         place.slot_position = place.middle();
         let Place { pad, slot, slot_position, .. } = *place;
         self.set_position(pad, slot, slot_position);
+        self.voices.get_mut(usize::from(pad)).into_iter().for_each(Voice::note_move);
         if self.budget.is_some() {
             let moved = self.moved_slot(pad).counts();
             self.report.counts.add_all(moved);

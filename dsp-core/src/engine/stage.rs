@@ -58,8 +58,8 @@ impl Stage {
                 Self::Residual(_) | Self::Background => 150,
                 Self::DynamicFilter(_) => 200,
                 Self::Biquads(_) => 175,
-                // The residual's: no board plays it yet.
-                Self::Scrapes => 150,
+                // The room's, which is straight code too: no board plays scrapes yet.
+                Self::Scrapes => 115,
                 Self::Room => 115,
                 Self::Engine | Self::Modes(_) | Self::Positions(_) => 100,
             },

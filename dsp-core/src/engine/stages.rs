@@ -45,7 +45,14 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Worst cycles of the residuals, filters and contacts that go on.
-    pub(super) fn sounding_cycles(&self) -> u32 {
+    fn sounding_cycles(&self) -> u32 {
+        // No pad has a striker of this number.
+        self.sounding_cycles_beside((u8::MAX, u8::MAX))
+    }
+
+    /// Worst cycles of the residuals, filters and contacts that go on, without that of a pad's
+    /// striker.
+    pub(super) fn sounding_cycles_beside(&self, touching: (u8, u8)) -> u32 {
         let of_residual = |residual: &Residual<'_>| if residual.is_active() { residual.worst_cycles } else { 0 };
         let of_filters = |filters: &Filters<'_>| {
             let parts = filters.sounding().into_iter().zip(filters.worst_cycles);
@@ -54,7 +61,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         let of_voice = |voice: &Voice<'_, '_>| -> u32 {
             voice.residual.as_deref().map_or(0, of_residual) + voice.filters.as_deref().map_or(0, of_filters)
         };
-        let of_scrapes = Stage::Scrapes.worst_cycles(self.scrapes.dearest_ticks());
+        let scrapes = self.scrapes.dearest_ticks(touching).map(|cycles| Stage::Scrapes.worst_cycles(cycles));
+        let of_scrapes: u32 = scrapes.sum();
         self.voices.iter().map(of_voice).sum::<u32>() + of_scrapes
     }
 

@@ -67,7 +67,7 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Scratch of the budget: how each pad is heard and will run, pads that known events will have
     /// struck, the level of each register group.
     pub(super) listening: &'m mut [Listening],
-    pub(super) struck: &'m mut [bool],
+    pub(super) struck: &'m mut [u8],
     pub(super) levels: &'m mut [u8],
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,

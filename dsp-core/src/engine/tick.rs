@@ -89,16 +89,13 @@ impl<S: Sample> Engine<'_, '_, S> {
             return;
         }
         if event.is_motion() {
-            return self.tell_motion(event);
+            return self.scrapes.note(event);
         }
         match event.action {
             Action::Level => return self.fader.set_level(event.velocity, !self.idle, self.rate),
             // What is silent already has nothing to end.
             Action::Silence if self.idle => return,
-            Action::Silence => {
-                self.scrapes.end_soon();
-                return self.fader.end(self.rate);
-            }
+            Action::Silence => return self.fader.end(self.rate),
             _ if self.fader.is_ending() => return self.held.push(event),
             _ => {}
         }

@@ -211,6 +211,12 @@ impl<'k> Scraper<'k> {
         (self.gate, self.is_first) = (0, true);
     }
 
+    /// Ends the force at once.
+    pub(crate) fn stop(&mut self) {
+        (self.speeds, self.gate) = ([0.0; 4], 0);
+        self.smoothing.stop();
+    }
+
     /// Work of the last tick: of the slope, and taps that were derived and filtered with.
     pub(super) const fn work(&self) -> (Work, [u32; 2]) {
         (self.slope.work(), self.smoothing.work())

@@ -83,6 +83,12 @@ impl Smoothing {
         if self.is_off { 0 } else { TICK_FRAMES }
     }
 
+    /// Forgets what has gone in.
+    pub(super) fn stop(&mut self) {
+        self.history.fill(0);
+        self.quiet_ticks = 3;
+    }
+
     /// Sets the standard deviation in frames, less the variance that the input has been smoothed by
     /// already, in square frames.
     pub(super) fn set(&mut self, deviation: f32, less: f32) {

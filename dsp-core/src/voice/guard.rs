@@ -10,13 +10,17 @@ impl Voice<'_, '_> {
         self.moves && self.banks.first().is_some_and(Bank::has_positions)
     }
 
+    /// Notes that a slot of the object has moved, whose gains need a guard.
+    pub fn note_move(&mut self) {
+        self.ongoing.has_moved = true;
+    }
+
     /// Expects a force that goes on, by a striker: the sum of |force| of the tick that begins, in
-    /// bus steps. `has_moved` says that its slot stands elsewhere than in the tick before.
-    pub fn expect_ongoing(&mut self, striker: u8, input: u64, has_moved: bool) {
+    /// bus steps.
+    pub fn expect_ongoing(&mut self, striker: u8, input: u64) {
         let steps = u32::try_from(input.div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
         self.ongoing.steps = self.ongoing.steps.saturating_add(steps);
         self.ongoing.strikers |= 1 << (striker & 7);
-        self.ongoing.has_moved |= has_moved;
         self.struck = true;
         self.admit();
     }

@@ -37,7 +37,7 @@ impl VoiceSize {
     }
 
     /// Sizes with the modes of an object that has at least `fewest` in frames, or the reason why
-    /// they stay in the bank.
+    /// they stay in the bank. `is_scraped` says that the engine plays contacts that go on.
     ///
     /// # Errors
     /// A [`BankError`] for a table that no bank can hold.
@@ -47,6 +47,7 @@ impl VoiceSize {
         tables: &PadTables<'_>,
         rate: SampleRate,
         fewest: usize,
+        is_scraped: bool,
     ) -> Result<Result<Self, Form>, BankError> {
         let table = tables.object_table(NO_CONTACT);
         if FrameBank::mode_count_of(&table, rate) < fewest {
@@ -55,7 +56,7 @@ impl VoiceSize {
         if tables.filter_takes_modes() {
             return Ok(Err(Form::Filtered));
         }
-        if tables.is_scraped_along() {
+        if is_scraped && tables.is_scraped_along() {
             return Ok(Err(Form::Scraped));
         }
         if !FrameBank::can_choke(&table, rate) {

@@ -12,7 +12,7 @@ pub(super) struct Ongoing {
     pub(super) steps: u32,
     /// Strikers of the contacts: a bit for each.
     pub(super) strikers: u8,
-    /// True if a slot stands elsewhere than in the tick before.
+    /// True if a slot has moved since the last guard.
     pub(super) has_moved: bool,
 }
 
@@ -28,6 +28,8 @@ impl Ongoing {
     /// True if a bank needs a guard: bank 0 is the object's, the others are those of the strikers.
     pub(super) fn lacks_guard(self, index: usize, bank: &Bank<'_>) -> bool {
         let is_driven = index == 0 || self.strikers >> ((index - 1) & 7) & 1 == 1;
-        self.steps > 0 && is_driven && bank.has_admitted() && (self.has_moved || bank.lacks(self.input()))
+        let lacks_input = is_driven && self.steps > 0 && bank.lacks(self.input());
+        // A bank without any allowance is guarded by its next force.
+        bank.has_admitted() && (lacks_input || index == 0 && self.has_moved && bank.has_allowance())
     }
 }

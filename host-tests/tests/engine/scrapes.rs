@@ -93,6 +93,14 @@ fn motions_strikes_and_chokes_give_the_same_bits_in_blocks_of_any_length() {
     events.extend((0..40).map(|strike| on_second(at(409 * strike, Action::Strike))));
     events.extend([at(5_001, Action::Choke), at(9_777, Action::Release)]);
     events.extend(stroke(560, 90, 2, false));
+    // Touches within a tick, beside an impact that ends in it, and both in one tick.
+    let rub = |tick: u64, first: u64| {
+        let mut events = stroke(tick, 20, 3, false);
+        events.iter_mut().for_each(|event| event.time.frame += first);
+        events.into_iter().map(on_second)
+    };
+    events.extend(rub(655, 9).chain(rub(676, 3)));
+    events.push(Event { time: Time::at_frame(660 * TICK + 5), action: Action::Silence, ..Event::NOTHING });
     events.sort_by_key(|event| event.time.first_frame());
     for skipping in [Skipping::On, Skipping::Off] {
         let run = |blocks: &[usize]| play(&loaded, RATE, skipping, &events, None, (700 * TICK_FRAMES, blocks)).0;
@@ -173,12 +181,12 @@ fn third_contact_at_once_is_refused_and_told() {
     let loaded = scrapes(&["mug"]);
     let mut events: Vec<Event> = (0..3).map(|striker| touch(0, striker, false)).collect();
     let (_, reports) = run(&loaded, &events, None, 3);
-    assert_eq!((STANDARD_SCRAPES, reports[0].refused_stages), (2, 1));
+    assert_eq!((STANDARD_SCRAPES, reports[0].refused_scrapes), (2, 1));
     // The same striker anew, and one behind a lift, find room.
     events =
         vec![touch(0, 0, false), touch(0, 1, false), touch(1, 0, false), event(2, 1, Action::Lift), touch(3, 2, false)];
     let (_, reports) = run(&loaded, &events, None, 5);
-    assert!(reports.iter().all(|report| report.refused_stages == 0));
+    assert!(reports.iter().all(|report| report.refused_scrapes == 0));
 }
 
 #[test]
@@ -208,13 +216,31 @@ fn motions_that_no_contact_can_make_are_refused_by_name() {
 #[test]
 fn end_of_all_sound_ends_contacts_until_they_touch_again() {
     let loaded = scrapes(&["plate"]);
-    let mut events = stroke(0, 400, 0, false);
-    events.push(event(100, 0, Action::Silence));
-    events.push(touch(300, 0, false));
-    events.sort_by_key(|event| event.time.first_frame());
-    let (sound, _) = run(&loaded, &events, None, 400);
-    let is_any = |ticks: std::ops::Range<usize>| {
+    let is_any = |sound: &[[i32; 2]], ticks: std::ops::Range<usize>| {
         sound[ticks.start * TICK_FRAMES..ticks.end * TICK_FRAMES].iter().flatten().any(|&x| x != 0)
     };
-    assert!(is_any(60..100) && !is_any(109..300) && is_any(320..400));
+    // The order comes while it sounds, or on the frame of the touch after it.
+    for again in [300, 100] {
+        let mut events = stroke(0, 400, 0, false);
+        events.insert(1 + 100, event(100, 0, Action::Silence));
+        let place = 1 + events.iter().rposition(|event| event.time.frame <= again * TICK).unwrap();
+        events.insert(place, touch(again, 0, false));
+        events.sort_by_key(|event| event.time.first_frame());
+        let (sound, _) = run(&loaded, &events, None, 400);
+        assert!(is_any(&sound, 60..100) && is_any(&sound, again as usize + 20..400), "again at {again}");
+        assert!(again == 100 || !is_any(&sound, 109..300));
+    }
+    // A contact at rest in a silent engine ends too, and so does one told in the same tick.
+    let moving = event(12, 0, Action::Move(Motion { velocity_m_per_s: [0.3, 0.0], normal_n: 0.5 }));
+    let silence = event(10, 0, Action::Silence);
+    let soon = |frame: u64, event: Event| Event { time: Time::at_frame(10 * TICK + frame), ..event };
+    for skipping in [Skipping::On, Skipping::Off] {
+        for events in [
+            vec![touch(0, 0, false), silence, moving],
+            vec![soon(3, touch(0, 0, false)), soon(4, moving), soon(5, silence), moving],
+        ] {
+            let (sound, _) = play(&loaded, RATE, skipping, &events, None, (60 * TICK_FRAMES, &[TICK_FRAMES]));
+            assert!(!is_any(&sound, 0..60), "{skipping:?}: {events:?}");
+        }
+    }
 }

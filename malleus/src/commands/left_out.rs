@@ -9,7 +9,9 @@ use virtual_board::Board;
 pub(super) fn left_out(kit: &str, board: Board, table: &Kit<'_>) -> Vec<String> {
     let name = board.name();
     let mut lines = match malleus::render::board::plan(board, table) {
-        Ok(plan) => plan.left_out.iter().map(|reason| format!("{kit}: {name} leaves out: {}", text(reason))).collect(),
+        Ok(plan) => {
+            plan.left_out.iter().map(|reason| format!("{kit}: {name} leaves out: {}", text(reason, table))).collect()
+        }
         Err(error) => vec![format!("{kit}: {name} refuses it and plays its built-in kit: {error}")],
     };
     let bytes = table.len_bytes();
@@ -22,11 +24,12 @@ pub(super) fn left_out(kit: &str, board: Board, table: &Kit<'_>) -> Vec<String> 
     lines
 }
 
-fn text(reason: &LoadError) -> String {
+fn text(reason: &LoadError, table: &Kit<'_>) -> String {
     match reason {
-        LoadError::NotBuilt { stage: stage @ Stage::Scrapes } => {
-            format!("{stage}: boards play strikes, malleus play --motion scrapes and rolls")
-        }
+        LoadError::NotBuilt { stage: Stage::Scrapes } => format!(
+            "surfaces, {} of them: boards play strikes, malleus play --motion scrapes and rolls",
+            table.surfaces().count()
+        ),
         _ => reason.to_string(),
     }
 }

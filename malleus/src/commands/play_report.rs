@@ -37,6 +37,7 @@ pub(super) struct Work {
     pub(super) largest_predicted_cycles: u32,
     pub(super) mean_predicted_cycles: f64,
     pub(super) scrape_frames: u64,
+    pub(super) refused_scrapes: u64,
     /// Number of ticks with anything to do.
     #[serde(skip)]
     busy_ticks: u32,
@@ -71,6 +72,7 @@ impl Work {
         self.largest_shed_amplitude = self.largest_shed_amplitude.max(report.shed.amplitude);
         self.largest_predicted_cycles = self.largest_predicted_cycles.max(report.predicted_cycles());
         self.scrape_frames += u64::from(report.scrape_frames);
+        self.refused_scrapes += u64::from(report.refused_scrapes);
         if report.counts.of(CostItem::Tick) > 0 {
             self.busy_ticks += 1;
             let growth = f64::from(report.predicted_cycles()) - self.mean_predicted_cycles;

@@ -72,10 +72,15 @@ impl Bank<'_> {
     }
 
     /// Guards all groups for a force that goes on, whose |force| sums up to `input` in the tick
-    /// that begins: for 16 such ticks.
+    /// that begins: for 16 such ticks. The allowance of impacts under way stays.
     pub fn expect_ongoing(&mut self, input: u64) {
-        self.guard(input.saturating_mul(16).min(MAX_ALLOWANCE), true);
-        self.is_covered = false;
+        let wanted = input.saturating_mul(16).max(self.allowance);
+        self.guard(wanted.min(MAX_ALLOWANCE), true);
+    }
+
+    /// True if any input is allowed.
+    pub fn has_allowance(&self) -> bool {
+        self.allowance > 0
     }
 
     /// True if the allowance does not suffice for an input.
