@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use crate::scrape::{Motion, MotionError};
+#[cfg(feature = "scrapes")]
+use crate::scrape::Motion;
+use crate::scrape::MotionError;
 
 /// Point in time: a frame counted from the engine's start, and a fraction of that frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,6 +57,7 @@ pub enum Action {
     /// The striker touches the pad's surface, if the engine plays contacts that go on, at rest at
     /// the event's position, from the tick on that begins at the event or next. It scrapes or rolls
     /// as [`Action::Move`] says, until a [`Action::Lift`].
+    #[cfg(feature = "scrapes")]
     Touch {
         /// True if it rolls, false if it scrapes.
         rolls: bool,
@@ -66,8 +69,10 @@ pub enum Action {
     /// The striker that touches the pad moves, and the event's position is its place along the
     /// object: over the tick that begins at the event or next, speed and limit go in straight lines
     /// to these, and the place follows. They stay there until they are told anew.
+    #[cfg(feature = "scrapes")]
     Move(Motion),
     /// The striker leaves the pad's surface, from the tick on that begins at the event or next.
+    #[cfg(feature = "scrapes")]
     Lift,
 }
 
@@ -105,8 +110,28 @@ impl Event {
     }
 
     /// True if the event tells of a contact that goes on.
+    #[cfg(feature = "scrapes")]
     pub const fn is_motion(&self) -> bool {
         matches!(self.action, Action::Touch { .. } | Action::Move(_) | Action::Lift)
+    }
+
+    /// True if the event tells of a contact that goes on: in this build none does, and events take
+    /// a third less memory.
+    #[cfg(not(feature = "scrapes"))]
+    pub const fn is_motion(&self) -> bool {
+        false
+    }
+
+    /// True if the event tells how a contact that goes on moves.
+    #[cfg(feature = "scrapes")]
+    pub const fn is_move(&self) -> bool {
+        matches!(self.action, Action::Move(_))
+    }
+
+    /// True if the event tells how a contact that goes on moves: in this build none does.
+    #[cfg(not(feature = "scrapes"))]
+    pub const fn is_move(&self) -> bool {
+        false
     }
 
     /// True if the event acts on a tick, so that no run of frames ends at it.

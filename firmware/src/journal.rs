@@ -102,7 +102,5 @@ fn tell(event: &Event, kit: &Kit<'static>) {
         Action::Level => defmt::info!("event {=u64},,{=f32},,,level", sample, event.velocity),
         Action::Silence => defmt::info!("event {=u64},,,,,silence", sample),
         Action::Shed(groups) => defmt::info!("event {=u64},,,,,shed {=u16}", sample, groups),
-        // Motions have files of their own, and nothing on a board tells one.
-        Action::Touch { .. } | Action::Move(_) | Action::Lift => {}
     }
 }

@@ -146,6 +146,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
             // Counted at the tick at which they act.
             Action::Choke | Action::Release | Action::Level | Action::Silence => [nothing; 5],
+            #[cfg(feature = "scrapes")]
             Action::Touch { .. } | Action::Move(_) | Action::Lift => [nothing; 5],
         }
     }

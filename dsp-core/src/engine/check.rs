@@ -1,8 +1,11 @@
 //! Checks of a block's events and direct force.
 
 use super::state::{Direct, Engine};
-use crate::event::{Action, Event, EventError};
+#[cfg(feature = "scrapes")]
+use crate::event::Action;
+use crate::event::{Event, EventError};
 use crate::room::Sample;
+#[cfg(feature = "scrapes")]
 use crate::scrape::MotionError;
 use crate::voice::Voice;
 
@@ -40,7 +43,14 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
+    /// Lets all events pass: in this build none tells of a motion.
+    #[cfg(not(feature = "scrapes"))]
+    fn check_motion(&self, _: usize, _: &Event) -> Result<(), EventError> {
+        Ok(())
+    }
+
     /// Refuses a motion that is too fast or no number, and a touch where there is no surface.
+    #[cfg(feature = "scrapes")]
     #[inline(always)] // most events are no motion
     fn check_motion(&self, index: usize, event: &Event) -> Result<(), EventError> {
         let Event { pad, striker, .. } = *event;

@@ -25,6 +25,7 @@ mod plan;
 mod render;
 mod report;
 mod scrapes;
+#[cfg_attr(not(feature = "scrapes"), allow(dead_code, unused_variables))] // no event leads there
 mod scraping;
 mod setup;
 mod shedding;

@@ -7,7 +7,7 @@
 
 use crate::SampleRate;
 use crate::contact::OngoingForces;
-use crate::event::{Action, Event};
+use crate::event::Event;
 use crate::memory::{Memory, OutOfMemory, Region};
 use crate::scrape::{Contact, Motion, Scraper};
 
@@ -31,7 +31,7 @@ pub(super) struct Place<'k> {
     pub(super) leads_slot: bool,
     /// True from the touch until the lift.
     pub(super) touches: bool,
-    /// True if it ends with the sound that a [`Action::Silence`] is ending.
+    /// True if it ends with the sound that a [silence](crate::event::Action::Silence) is ending.
     pub(super) ends_soon: bool,
     pub(super) motion: Motion,
     /// Place along the object, 0 to 1, at the end of the coming tick and of the last one, and that
@@ -128,8 +128,8 @@ impl<'k, 'm> Scrapes<'k, 'm> {
     pub(super) fn note(&mut self, event: &Event) {
         let told = self.told.get_mut(..self.told_count).unwrap_or(&mut []);
         let mut own = told.iter_mut().rev().filter(|told| (told.pad, told.striker) == (event.pad, event.striker));
-        if let (Action::Move(_), Some(last)) = (event.action, own.next())
-            && matches!(last.action, Action::Move(_))
+        if let (true, Some(last)) = (event.is_move(), own.next())
+            && last.is_move()
         {
             *last = *event;
         } else if let Some(place) = self.told.get_mut(self.told_count) {

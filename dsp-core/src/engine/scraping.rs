@@ -50,13 +50,16 @@ impl<S: Sample> Engine<'_, '_, S> {
     fn tell_motion(&mut self, event: &Event) {
         let Event { pad, striker, position, .. } = *event;
         match event.action {
+            #[cfg(feature = "scrapes")]
             Action::Touch { rolls, normal_n } => self.touch(event, rolls, normal_n),
+            #[cfg(feature = "scrapes")]
             Action::Move(motion) => {
                 // A contact that is ending goes on as it did.
                 if let Some(place) = self.scrapes.touching(pad, striker).filter(|place| !place.ends_soon) {
                     (place.motion, place.position) = (motion, position);
                 }
             }
+            #[cfg(feature = "scrapes")]
             Action::Lift => {
                 self.scrapes.touching(pad, striker).into_iter().for_each(Place::lift);
             }
