@@ -78,10 +78,10 @@ impl<'m> OngoingForces<'m> {
         self.places.get_mut(index).into_iter().for_each(Ongoing::end);
     }
 
-    /// True if any force may act.
+    /// True if any force may act; never in a build without scrapes.
     #[inline(always)]
     pub fn has_places(&self) -> bool {
-        !self.places.is_empty()
+        cfg!(feature = "scrapes") && !self.places.is_empty()
     }
 
     // Kits without surfaces have no places, and pay for a look at their number alone.
@@ -89,50 +89,57 @@ impl<'m> OngoingForces<'m> {
     /// True if any force acts in the tick's rest.
     #[inline(always)]
     pub fn is_any(&self) -> bool {
-        !self.places.is_empty() && self.places.iter().any(|place| !place.is_over())
+        self.has_places() && self.places.iter().any(|place| !place.is_over())
     }
 
     /// True if any force acts on a pad in the tick's rest.
     #[inline(always)]
     pub(super) fn is_any_on(&self, pad: u8) -> bool {
-        !self.places.is_empty() && self.on(pad).next().is_some()
+        self.has_places() && self.on(pad).next().is_some()
     }
 
     /// True if any force acts in a position slot of a pad in the tick's rest.
     #[inline(always)]
     pub(super) fn is_any_in(&self, pad: u8, slot: u8) -> bool {
-        !self.places.is_empty() && self.on(pad).any(|place| place.slot == slot)
+        self.has_places() && self.on(pad).any(|place| place.slot == slot)
     }
 
     /// True if any force of a pad's striker acts in the tick's rest.
     #[inline(always)]
     pub(super) fn is_any_by(&self, pad: u8, striker: u8) -> bool {
-        !self.places.is_empty() && self.on(pad).any(|place| place.striker == striker)
+        self.has_places() && self.on(pad).any(|place| place.striker == striker)
     }
 
     /// Sum of |force| on a pad in the tick's rest, in bus steps.
     pub(super) fn input(&self, pad: u8) -> f32 {
+        if !self.has_places() {
+            return 0.0;
+        }
         self.on(pad).flat_map(Ongoing::ahead).map(|x| x.unsigned_abs() as f32).sum()
     }
 
     /// Number of frames within a run in which forces act on a pad, added up over the forces.
     #[inline(always)]
     pub fn frames_ahead(&self, pad: u8, frames: u32) -> u32 {
-        if self.places.is_empty() {
+        if !self.has_places() {
             return 0;
         }
         self.on(pad).map(|place| (place.ahead().len() as u32).min(frames)).sum()
     }
 
     /// Passes frames of a pad without adding its force anywhere.
+    #[inline(always)]
     pub(super) fn pass(&mut self, pad: u8, frames: usize) {
+        if !self.has_places() {
+            return;
+        }
         self.places.iter_mut().filter(|place| place.pad == pad).for_each(|place| place.pass(frames));
     }
 
     /// Adds all forces on a pad to a run, and passes it.
     #[inline(always)]
     pub(super) fn add_of_pad(&mut self, pad: u8, sum: &mut [i32]) {
-        if !self.places.is_empty() {
+        if self.has_places() {
             self.add_those(|place| place.pad == pad, sum);
         }
     }
@@ -140,7 +147,7 @@ impl<'m> OngoingForces<'m> {
     /// Adds the forces of a pad's striker in a position slot to a run, and passes it.
     #[inline(always)]
     pub(super) fn add(&mut self, pad: u8, striker: u8, slot: u8, sum: &mut [i32]) {
-        if !self.places.is_empty() {
+        if self.has_places() {
             self.add_those(|place| (place.pad, place.striker, place.slot) == (pad, striker, slot), sum);
         }
     }

@@ -199,15 +199,15 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
         if kit.object_surfaces().is_empty() {
             return Ok(());
         }
+        if !self.can_scrape() {
+            return fitting.leave_out(LoadError::NotBuilt { stage });
+        }
         if let Err(error) = kit.check_surfaces() {
             return fitting.leave_out(LoadError::SurfaceTable(error));
         }
         let pads = (0..kit.pads().len()).flat_map(|pad| (0..STRIKERS_PER_PAD).map(move |striker| (pad, striker)));
         let mut contacts = pads.filter_map(|(pad, striker)| Contact::of(&kit, pad, striker, false, [0.0; 2]));
         let Some(contact) = contacts.next() else { return Ok(()) };
-        if !self.can_scrape() {
-            return fitting.leave_out(LoadError::NotBuilt { stage });
-        }
         if !fits(memory, |count| Scrapes::take(count, contact, self.rate), stage, fitting)? {
             return Ok(());
         }

@@ -114,7 +114,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
             let mut news = begins_tick;
             if begins_tick {
-                if !events.is_empty() || self.scrapes.are_told() {
+                if cfg!(feature = "scrapes") && (!events.is_empty() || self.scrapes.are_told()) {
                     self.tell_due_motions(events);
                 }
                 self.begin_tick(direct);
@@ -122,7 +122,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             while let Some((event, later)) =
                 events.split_first().filter(|(event, _)| event.time.first_frame() <= self.now)
             {
-                if !begins_tick && event.action == Action::Silence {
+                if cfg!(feature = "scrapes") && !begins_tick && event.action == Action::Silence {
                     self.end_contacts();
                 }
                 if !(begins_tick && event.is_motion()) {

@@ -121,7 +121,7 @@ impl<'k, 'm> Scrapes<'k, 'm> {
     #[inline(always)]
     pub(super) fn are_due(&self) -> bool {
         let has_news = || self.told_count > 0 || self.touch_cycles > 0 || self.refused > 0;
-        !self.places.is_empty() && (has_news() || self.places.iter().any(Place::is_due))
+        cfg!(feature = "scrapes") && !self.places.is_empty() && (has_news() || self.places.iter().any(Place::is_due))
     }
 
     /// Notes a motion within a tick.
@@ -143,7 +143,7 @@ impl<'k, 'm> Scrapes<'k, 'm> {
     /// True if any motion was told within the last tick.
     #[inline(always)]
     pub(super) fn are_told(&self) -> bool {
-        self.told_count > 0
+        cfg!(feature = "scrapes") && self.told_count > 0
     }
 
     /// Motion that was told within the last tick, from the first one on.
@@ -158,7 +158,8 @@ impl<'k, 'm> Scrapes<'k, 'm> {
 
     /// True if a contact holds a position slot of a pad, at rest or not.
     pub(super) fn hold(&self, pad: u8, slot: u8) -> bool {
-        self.places.iter().any(|place| (place.pad, place.slot) == (pad, slot) && place.is_taken())
+        let holds = |place: &Place<'_>| (place.pad, place.slot) == (pad, slot) && place.is_taken();
+        cfg!(feature = "scrapes") && self.places.iter().any(holds)
     }
 
     /// Lets all contacts end with the sound that is ending.
@@ -171,6 +172,9 @@ impl<'k, 'm> Scrapes<'k, 'm> {
 
     /// Ends the contacts that were to end soon.
     pub(super) fn end_those(&mut self) {
+        if !cfg!(feature = "scrapes") {
+            return;
+        }
         for place in self.places.iter_mut().filter(|place| place.ends_soon) {
             place.lift();
             place.ends_soon = false;

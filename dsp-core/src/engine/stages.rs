@@ -62,7 +62,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             voice.residual.as_deref().map_or(0, of_residual) + voice.filters.as_deref().map_or(0, of_filters)
         };
         let scrapes = self.scrapes.dearest_ticks(touching).map(|cycles| Stage::Scrapes.worst_cycles(cycles));
-        let of_scrapes: u32 = scrapes.sum();
+        let of_scrapes: u32 = if cfg!(feature = "scrapes") { scrapes.sum() } else { 0 };
         self.voices.iter().map(of_voice).sum::<u32>() + of_scrapes
     }
 
