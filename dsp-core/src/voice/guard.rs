@@ -1,6 +1,6 @@
 //! Headroom of a pad's banks for the force that is expected.
 
-use super::ongoing::{EXPECTED_STEP, Ongoing};
+use super::ongoing::{EXPECTED_STEP, Ongoing, bit_of, is_driven};
 use super::state::Voice;
 use crate::resonator::Bank;
 
@@ -20,7 +20,7 @@ impl Voice<'_, '_> {
     pub fn expect_ongoing(&mut self, striker: u8, input: u64) {
         let steps = u32::try_from(input.div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
         self.ongoing.steps = self.ongoing.steps.saturating_add(steps);
-        self.ongoing.strikers |= 1 << (striker & 7);
+        self.ongoing.strikers |= bit_of(striker);
         self.struck = true;
         self.admit();
     }
@@ -42,14 +42,16 @@ impl Voice<'_, '_> {
         }
     }
 
-    /// Guards the banks for contacts that have just begun; call it before their first run.
+    /// Guards the banks that contacts which have just begun will drive; call it before their first
+    /// run. The bank of another striker stays as it is: at rest it costs nothing.
     pub fn meet_expected(&mut self) {
         let expected = u64::from(core::mem::take(&mut self.expected)) * EXPECTED_STEP;
+        let strikers = core::mem::take(&mut self.expected_strikers);
         if expected > 0 {
             self.wake();
             // A bank whose groups are all shed needs no guard.
-            for bank in &mut *self.banks {
-                if bank.has_admitted() {
+            for (index, bank) in self.banks.iter_mut().enumerate() {
+                if is_driven(index, strikers) && bank.has_admitted() {
                     bank.expect(expected);
                 }
             }

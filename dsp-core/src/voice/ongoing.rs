@@ -5,6 +5,17 @@ use crate::resonator::Bank;
 /// Unit of the expected force, in bus steps.
 pub(super) const EXPECTED_STEP: u64 = 256;
 
+/// Bit of a striker in a set of a pad's strikers.
+pub(super) const fn bit_of(striker: u8) -> u8 {
+    1 << (striker & 7)
+}
+
+/// True if contacts by a set of strikers drive a bank: bank 0 is the object's, which all drive, and
+/// the others are those of the strikers.
+pub(super) const fn is_driven(index: usize, strikers: u8) -> bool {
+    index == 0 || strikers >> ((index - 1) & 7) & 1 == 1
+}
+
 /// Force of contacts that go on, in the tick that begins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ongoing {
@@ -25,10 +36,9 @@ impl Ongoing {
         u64::from(self.steps) * EXPECTED_STEP
     }
 
-    /// True if a bank needs a guard: bank 0 is the object's, the others are those of the strikers.
+    /// True if a bank, by its [number](is_driven), needs a guard.
     pub(super) fn lacks_guard(self, index: usize, bank: &Bank<'_>) -> bool {
-        let is_driven = index == 0 || self.strikers >> ((index - 1) & 7) & 1 == 1;
-        let lacks_input = is_driven && self.steps > 0 && bank.lacks(self.input());
+        let lacks_input = is_driven(index, self.strikers) && self.steps > 0 && bank.lacks(self.input());
         // A bank without any allowance is guarded by its next force.
         bank.has_admitted() && (lacks_input || index == 0 && self.has_moved && bank.has_allowance())
     }

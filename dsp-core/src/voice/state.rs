@@ -2,7 +2,7 @@
 
 use super::filters::Filters;
 use super::form::Form;
-use super::ongoing::{EXPECTED_STEP, Ongoing};
+use super::ongoing::{EXPECTED_STEP, Ongoing, bit_of};
 use super::residual::Residual;
 use super::tables::{NO_CONTACT, PadTables};
 use crate::SampleRate;
@@ -44,6 +44,8 @@ pub struct Voice<'k, 'm> {
     /// Sum of |force| of contacts that have just begun, until the banks are guarded for it, in
     /// units of [`EXPECTED_STEP`], rounded up.
     pub(super) expected: u32,
+    /// Strikers of the contacts that have just begun: a bit for each.
+    pub(super) expected_strikers: u8,
     /// Force of contacts that go on, in the tick that begins.
     pub(super) ongoing: Ongoing,
     /// True if the pad is to be choked from the next tick on.
@@ -110,6 +112,7 @@ impl Voice<'_, '_> {
             acceleration: Acceleration::NONE,
             panner: Panner::SILENT,
             expected: 0,
+            expected_strikers: 0,
             ongoing: Ongoing::NONE,
             is_choke_wanted: false,
             is_choked: false,
@@ -195,6 +198,7 @@ impl Voice<'_, '_> {
         let impact = StrikerLaw::new(contact, pulse, self.reference_force, rate).impact(velocity)?;
         let steps = u32::try_from(impact.sum().div_ceil(EXPECTED_STEP)).unwrap_or(u32::MAX);
         self.expected = self.expected.saturating_add(steps);
+        self.expected_strikers |= bit_of(striker);
         self.struck = true;
         self.wake();
         Some(impact)
@@ -300,7 +304,8 @@ impl Voice<'_, '_> {
         if let Some(filters) = self.filters.as_deref_mut() {
             filters.rest();
         }
-        (self.expected, self.ongoing, self.retired_amplitude) = (0, Ongoing::NONE, 0.0);
+        (self.expected, self.expected_strikers, self.ongoing) = (0, 0, Ongoing::NONE);
+        self.retired_amplitude = 0.0;
     }
 
     /// Lets forces reach groups again that were shed.
