@@ -109,11 +109,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         out.fill([0, 0]);
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
+        let mut is_counted = false;
         while !out.is_empty() {
             direct.iter().for_each(|direct| self.wake(direct.pad));
             let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
             let mut news = begins_tick;
             if begins_tick {
+                is_counted = false;
                 if cfg!(feature = "scrapes") && (!events.is_empty() || self.scrapes.are_told()) {
                     self.tell_due_motions(events);
                 }
@@ -125,15 +127,19 @@ impl<S: Sample> Engine<'_, '_, S> {
                 if cfg!(feature = "scrapes") && !begins_tick && event.action == Action::Silence {
                     self.end_contacts();
                 }
+                if !is_counted {
+                    self.count_event(event);
+                }
                 if !(begins_tick && event.is_motion()) {
                     self.apply(event, direct);
                 }
                 events = later;
                 news |= !event.acts_on_tick();
             }
-            let mut counted = false;
             if news && !self.idle {
-                counted = self.budget.is_some() && self.keep_budget(events, direct, &mut log);
+                if self.budget.is_some() && !is_counted {
+                    is_counted = self.keep_budget(events, end, direct, &mut log);
+                }
                 if core::mem::take(&mut self.expects) {
                     self.meet_expected();
                 }
@@ -149,7 +155,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
             let passes_idle = self.idle && direct_now.is_none();
-            if self.budget.is_some() && !passes_idle && !(counted && length as u64 == to_tick) {
+            if self.budget.is_some() && !passes_idle && !is_counted {
                 self.count_run(length as u32, direct_now);
             }
             if passes_idle {

@@ -18,7 +18,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.clear_sound();
         let held = core::mem::replace(&mut self.held, Held::NONE);
         for strike in held.strikes() {
-            self.apply(&Event { time: Time::at_frame(self.now), ..*strike }, direct);
+            let strike = Event { time: Time::at_frame(self.now), ..*strike };
+            self.count_event(&strike);
+            self.apply(&strike, direct);
         }
         [(CostItem::ResidualCycle, self.modes_built * MODE_CYCLES + OTHER_CYCLES)]
     }

@@ -74,10 +74,6 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Applies an event.
     pub(super) fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
-        if self.budget.is_some() {
-            let counts = self.event_counts(event);
-            self.report.counts.add_all(counts);
-        }
         if let Action::Shed(count) = event.action {
             self.shed(ShedAmount::Groups(count), direct);
             return;

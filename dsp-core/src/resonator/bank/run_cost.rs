@@ -10,6 +10,9 @@ pub enum Use {
     Free,
     /// Runs under a force.
     Driven,
+    /// Runs under the force of a strike that is still to come: it reaches groups that are left out
+    /// until then.
+    Struck,
 }
 
 /// A bank's run until the tick's end.
@@ -37,7 +40,7 @@ impl Costs {
     pub(super) fn new(used: Use, frames: u32) -> Self {
         let (plain, phase) = match used {
             Use::Free => (&WHOLE_FREE, &WHOLE_FREE),
-            Use::Driven => (&WHOLE_GAIN, &WHOLE_PHASE),
+            Use::Driven | Use::Struck => (&WHOLE_GAIN, &WHOLE_PHASE),
         };
         Self { used, frames, plain, phase }
     }
@@ -58,7 +61,7 @@ impl Costs {
         OTHER_GROUP
             + match self.used {
                 Use::Free => count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames),
-                Use::Driven => count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
+                Use::Driven | Use::Struck => count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
             }
     }
 }

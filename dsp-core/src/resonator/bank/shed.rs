@@ -162,5 +162,10 @@ impl Bank<'_> {
 }
 
 fn runs(group: &Group, used: Use) -> bool {
-    group.ringing() || used == Use::Driven && !group.is_shed()
+    group.ringing()
+        || match used {
+            Use::Free => false,
+            Use::Driven => !group.is_shed(),
+            Use::Struck => true,
+        }
 }
