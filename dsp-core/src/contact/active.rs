@@ -161,6 +161,7 @@ impl<'m> ActiveContacts<'m> {
     }
 
     /// True if any force acts on a pad by one of its strikers.
+    #[inline(never)] // one copy for all ways of a pad's sound
     pub fn is_any_by(&self, pad: u8, striker: u8) -> bool {
         let is_by = |contact: &Contact| contact.pad == pad && contact.striker == striker;
         self.under_way().iter().any(is_by) || self.ongoing.is_any_by(pad, striker)

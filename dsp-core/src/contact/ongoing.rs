@@ -161,7 +161,9 @@ impl<'m> OngoingForces<'m> {
 
     /// Ends all forces at once.
     pub(super) fn clear(&mut self) {
-        self.places.iter_mut().for_each(Ongoing::end);
+        if self.has_places() {
+            self.places.iter_mut().for_each(Ongoing::end);
+        }
     }
 
     fn on(&self, pad: u8) -> impl Iterator<Item = &Ongoing> {

@@ -55,57 +55,70 @@ impl<S: Sample> Engine<'_, '_, S> {
         let budget = budget.saturating_sub(margin) + choke;
         let mut predicted = self.report.predicted_cycles() + rest.cycles();
         let end = self.now + u64::from(self.frames_to_tick());
-        let is_known = end <= known_until;
-        if is_known && predicted <= budget {
-            self.report.counts += &rest;
-            return true;
-        }
-        let is_last = is_known && next_news(upcoming).is_none_or(|event| event.time.first_frame() >= end);
-        if !is_last {
+        let is_last = || next_news(upcoming).is_none_or(|event| event.time.first_frame() >= end);
+        let is_counted = end <= known_until && (predicted <= budget || is_last());
+        if !is_counted {
             // The next event will call for another prediction.
             predicted += predictions_ahead(&rest);
             for item in [CostItem::Look, CostItem::PredictedGroup] {
                 self.report.counts.add(item, rest.of(item));
             }
         }
+        if predicted > budget
+            && let Some(chosen) = self.shed_excess(predicted, budget, margin, &mut rest, direct)
+        {
+            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
+        }
+        if is_counted {
+            self.report.counts += &rest;
+        }
+        is_counted
+    }
+
+    /// Sheds what a prediction exceeds the budget by, and takes it out of the counts of the `rest`.
+    /// Gives the number of groups, `None` if a choice would take longer than what it frees.
+    #[inline(never)] // rare, and its tables must not lie on the stack beside those of the prediction
+    fn shed_excess(
+        &mut self,
+        predicted: u32,
+        budget: u32,
+        margin: u32,
+        rest: &mut Counts,
+        direct: Option<Direct<'_>>,
+    ) -> Option<u16> {
         let survey = self.survey_counts();
         let survey_cycles: u32 = survey.iter().map(|&(item, count)| item.cycles() * count).sum();
         let guards = rest.of(CostItem::GuardedGroup) * CostItem::GuardedGroup.cycles();
         let sheddable = (rest.of(CostItem::KernelCycle) + guards).min(predicted);
         let least = predicted + survey_cycles - sheddable;
+        // If no group can be kept, there is nothing to choose. A choice may take some of what is
+        // kept free: without it the strike would be silent.
         let sheds_all = least > budget + margin / 2;
-        let freed = sheddable + if sheds_all { cycles_of_forces(&rest) } else { 0 };
         // A choice that takes longer than what it frees would lengthen the tick: a strike late in a
         // tick keeps its modes, and the next tick sheds.
-        if predicted > budget && freed > survey_cycles {
-            let amount = if sheds_all {
-                // If no group can be kept, there is nothing to choose. A choice may take some of
-                // what is kept free: without it the strike would be silent.
-                self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
-                ShedAmount::All
-            } else {
-                self.report.counts.add_all(survey);
-                // Groups free what they take, of which the prediction has a part.
-                ShedAmount::Cycles((predicted + survey_cycles - budget) * 100 / self.loop_percent.max(1))
-            };
-            let shed = self.shed(amount, direct);
-            // Pads without any group left cost less still; only the groups' own share is certain.
-            let kernels = match amount {
-                ShedAmount::All => u32::MAX,
-                _ => {
-                    let guards = shed.unguarded_groups * CostItem::GuardedGroup.cycles();
-                    shed.cycles.saturating_sub(guards) * self.loop_percent / 100
-                }
-            };
-            rest.remove(CostItem::KernelCycle, kernels);
-            rest.remove(CostItem::GuardedGroup, shed.unguarded_groups);
-            let chosen = shed.groups as u16;
-            log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
+        if sheddable + if sheds_all { cycles_of_forces(rest) } else { 0 } <= survey_cycles {
+            return None;
         }
-        if is_last {
-            self.report.counts += &rest;
-        }
-        is_last
+        let amount = if sheds_all {
+            self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
+            ShedAmount::All
+        } else {
+            self.report.counts.add_all(survey);
+            // Groups free what they take, of which the prediction has a part.
+            ShedAmount::Cycles((predicted + survey_cycles - budget) * 100 / self.loop_percent.max(1))
+        };
+        let shed = self.shed(amount, direct);
+        // Pads without any group left cost less still; only the groups' own share is certain.
+        let kernels = match amount {
+            ShedAmount::All => u32::MAX,
+            _ => {
+                let guards = shed.unguarded_groups * CostItem::GuardedGroup.cycles();
+                shed.cycles.saturating_sub(guards) * self.loop_percent / 100
+            }
+        };
+        rest.remove(CostItem::KernelCycle, kernels);
+        rest.remove(CostItem::GuardedGroup, shed.unguarded_groups);
+        Some(shed.groups as u16)
     }
 
     /// Counts a run that [`keep_budget`](Self::keep_budget) has not counted.
@@ -142,6 +155,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Counts an event that no prediction of its tick has counted.
+    #[inline(never)] // two callers
     pub(super) fn count_event(&mut self, event: &Event) {
         if self.budget.is_some() {
             let counts = self.event_counts(event);
@@ -347,20 +361,18 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 }
 
-/// Cycles of the predictions that a tick with known events still makes: one at each event, of the
-/// runs behind it, and one of each run but the last as it ends.
+/// Cycles of the predictions that a tick of several runs still makes: about as many of the runs
+/// behind each event as there are runs, and one of each run as it ends.
 fn predictions_ahead(rest: &Counts) -> u32 {
     let runs = rest.of(CostItem::Look);
-    let groups = rest.of(CostItem::PredictedGroup) / runs.max(1);
-    let predictions = runs * runs.saturating_sub(1) / 2 + runs.saturating_sub(1);
-    predictions * (CostItem::Look.cycles() + groups * CostItem::PredictedGroup.cycles())
+    let groups = rest.of(CostItem::PredictedGroup);
+    (runs * CostItem::Look.cycles() + groups * CostItem::PredictedGroup.cycles()) * runs.saturating_sub(1)
 }
 
 /// Cycles that forces take beside the groups that answer them; they take none if no group does.
 fn cycles_of_forces(rest: &Counts) -> u32 {
-    let banks = [CostItem::BusDrivenPad, CostItem::DrivenPad, CostItem::DrivenStrikerBank];
-    let frames = [CostItem::DrivenFrame, CostItem::ContactFrame];
-    banks.iter().chain(&frames).map(|&item| rest.of(item) * item.cycles()).sum()
+    let of = |item: CostItem| rest.of(item) * item.cycles();
+    of(CostItem::BusDrivenPad) + of(CostItem::DrivenPad) + of(CostItem::DrivenStrikerBank) + of(CostItem::ContactFrame)
 }
 
 /// Share of the budget that is kept free, as its inverse.

@@ -1,9 +1,10 @@
 //! Cost of a contact, for the budget.
 //!
-//! The cycles are nominal, without flash waits, and include what an engine does for a contact. They
-//! are a fit to 2 000 ticks of an engine with one of seven contacts at 0 to 2.5 m/s on the virtual
-//! core: the mean of each contact is right to 1 %, a tick to 2.5 % rms
-//! (`cargo test -p host-tests --test on_chip the_cost_of_the_scenes -- --nocapture` prints scenes).
+//! Nominal cycles, without the waits of flash, and with the work that an engine does for a contact.
+//! The constants were fitted to 2 000 ticks on the virtual core, with seven contacts at 0 to
+//! 2.5 m/s. The mean over a contact is right to 1 %, a single tick to 2.5 % rms. Predicted and
+//! modelled cycles of four scenes with scraping are printed by
+//! `cargo test -p host-tests --test on_chip the_cost_of_the_scenes -- --nocapture`.
 
 use super::scraper::{Contact, Scraper};
 use super::slope::Work;

@@ -1,5 +1,6 @@
 //! Hyperbolic tangent in fixed point: the limit of the path's curvature (scraping-rolling eq. 4).
 
+#[cfg(not(cortex_m4f))]
 use crate::fixed;
 
 /// Fraction bits of the argument.
@@ -8,12 +9,15 @@ pub(super) const ARGUMENT_BITS: u32 = 19;
 /// Number of pieces from 0 to 8, each an eighth wide.
 const PIECES: usize = 64;
 /// Bits of the argument within a piece.
+#[cfg(not(cortex_m4f))]
 const WITHIN_BITS: u32 = ARGUMENT_BITS - 3;
 
 /// Hyperbolic tangent as Q31 of an argument in Q19. The error is at most 2.6e-6; beyond ±8 the
 /// value stays.
 ///
-/// Each piece is the cubic that has the function's values and slopes at its ends.
+/// Each piece is the cubic that has the function's values and slopes at its ends. The kernels of
+/// the Cortex-M4 have the same steps within their loops.
+#[cfg(not(cortex_m4f))]
 #[inline(always)]
 pub(super) fn tanh(argument: i32) -> i32 {
     let sign = argument >> 31;
@@ -27,6 +31,7 @@ pub(super) fn tanh(argument: i32) -> i32 {
 }
 
 /// Argument below 8 that stands for all beyond it.
+#[cfg(not(cortex_m4f))]
 const LARGEST: i32 = (8 << ARGUMENT_BITS) - 1;
 
 /// Terms of 1, t, t² and t³ of each piece, Q28, Q29, Q30 and Q31, t from 0 to 1: each step of a

@@ -182,7 +182,7 @@ fn third_contact_at_once_is_refused_and_told() {
     let mut events: Vec<Event> = (0..3).map(|striker| touch(0, striker, false)).collect();
     let (_, reports) = run(&loaded, &events, None, 3);
     assert_eq!((STANDARD_SCRAPES, reports[0].refused_scrapes), (2, 1));
-    // The same striker anew, and one behind a lift, find room.
+    // A touch by a striker that touches already needs no other place, and a lift gives one back.
     events =
         vec![touch(0, 0, false), touch(0, 1, false), touch(1, 0, false), event(2, 1, Action::Lift), touch(3, 2, false)];
     let (_, reports) = run(&loaded, &events, None, 5);

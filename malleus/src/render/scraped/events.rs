@@ -12,8 +12,8 @@ use crate::motion::{self, Motion};
 /// Events of a motion, in order of time: each touch, its motion tick by tick, and its lift.
 ///
 /// The limits α of a striker stand for its least and its largest normal force on that pad in the
-/// whole motion (scraping-rolling eq. 7). `is_constant` leaves the normal force out: α stays at its
-/// mean.
+/// whole motion (scraping-rolling eq. 7). With `is_constant` the normal force stays at its mean,
+/// and so does α.
 ///
 /// # Errors
 /// [`ScrapedError`].
@@ -59,7 +59,8 @@ pub fn events(motion: &Motion, kit: &Kit<'_>, rate: SampleRate, is_constant: boo
     Ok(events)
 }
 
-/// Merges two lists of events that are in order of time; of one frame, the first list's come first.
+/// Merges two lists of events, each in order of time. Events of the first list come before those of
+/// the second list in the same frame.
 pub fn merged(first: &[Event], second: &[Event]) -> Vec<Event> {
     let mut merged = [first, second].concat();
     merged.sort_by_key(|event| event.time.first_frame());
