@@ -1,6 +1,7 @@
 //! Command line of the program: commands, options, and the checks of their values.
 
 mod motion;
+mod shape;
 mod study;
 mod surface;
 
@@ -13,6 +14,7 @@ use fit::material::solid::Solid;
 use virtual_board::Board;
 
 pub(crate) use self::motion::{MotionCommand, MotionFileArguments};
+pub(crate) use self::shape::ShapeArguments;
 pub(crate) use self::study::StudyCommand;
 pub(crate) use self::surface::SurfaceArguments;
 use crate::commands::board::{BoardCommand, parse_board};
@@ -41,6 +43,8 @@ pub(crate) enum Command {
     Separate(SeparateArguments),
     /// Make the table of a measured surface
     Surface(SurfaceArguments),
+    /// Make the table of a body from its outline, thickness and material
+    Shape(ShapeArguments),
     /// Write a motion of a tool over a pad: strokes, a circle, a line, a scribble, a rolling ball
     #[command(subcommand)]
     Motion(MotionCommand),

@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         Some(Command::Fit(arguments)) => commands::fit::run(&arguments),
         Some(Command::Separate(arguments)) => commands::separate::run(&arguments),
         Some(Command::Surface(arguments)) => commands::surface::run(&arguments),
+        Some(Command::Shape(arguments)) => commands::shape::run(&arguments),
         Some(Command::Motion(command)) => commands::motion::run(&command),
         Some(Command::Study(command)) => commands::study::run(&command),
         Some(Command::Kit(command)) => commands::kit::run(&command),

@@ -119,6 +119,8 @@ pub(crate) enum CommandError {
     #[error(transparent)]
     Surface(#[from] ::fit::surface::SurfaceError),
     #[error(transparent)]
+    Shape(#[from] super::shape::ShapeError),
+    #[error(transparent)]
     Trial(#[from] malleus::motion::trials::TrialError),
     /// The demo piece cannot be made.
     #[error(transparent)]

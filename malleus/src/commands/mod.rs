@@ -22,6 +22,8 @@ mod play_report;
 pub(crate) mod separate;
 mod separate_labels;
 mod separate_tables;
+pub(crate) mod shape;
+mod shape_benchmarks;
 pub(crate) mod study;
 pub(crate) mod surface;
 mod usb_midi;

@@ -1,0 +1,39 @@
+//! Arguments of `malleus shape`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Arguments of `malleus shape`.
+#[derive(Debug, Args)]
+pub(crate) struct ShapeArguments {
+    /// Shape file: outline, thickness, material, support, strikes (docs/shape.md)
+    #[arg(value_name = "SHAPE.toml", required_unless_present = "benchmarks")]
+    pub(crate) input: Option<PathBuf>,
+    /// Table to write
+    #[arg(short, long, value_name = "TABLE.toml", required_unless_present = "benchmarks")]
+    pub(crate) output: Option<PathBuf>,
+    /// Number of modes, the lowest; silent ones count too. 32, if neither a frequency nor a budget
+    /// is given
+    #[arg(long, value_name = "N", conflicts_with_all = ["max_hz", "budget"])]
+    pub(crate) modes: Option<usize>,
+    /// All modes up to a frequency in Hz
+    #[arg(long, value_name = "F", conflicts_with = "budget")]
+    pub(crate) max_hz: Option<f64>,
+    /// As many modes as a number of Cortex-M4 cycles a sample plays
+    #[arg(long, value_name = "CYCLES")]
+    pub(crate) budget: Option<f64>,
+    /// Largest error of a frequency: the mesh becomes finer until each mode's estimate is below
+    #[arg(long, value_name = "E", default_value = "0.001")]
+    pub(crate) error: f64,
+    /// Licence of the table
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub(crate) licence: String,
+    /// Print frequencies of published benchmarks (NAFEMS FV12, FV16, FV32, FV52) beside the
+    /// computed ones, in place of a shape
+    #[arg(long, conflicts_with_all = ["input", "output"])]
+    pub(crate) benchmarks: bool,
+    /// Print a machine-readable report on stdout (docs/json.md)
+    #[arg(long)]
+    pub(crate) json: bool,
+}

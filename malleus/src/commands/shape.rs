@@ -1,0 +1,180 @@
+//! `malleus shape`: outline, thickness and material become the table of a body.
+
+use std::path::{Path, PathBuf};
+
+use ::shape::file::{FileError, ShapeFile};
+use ::shape::outline::Outline;
+use ::shape::solve::{self, Solved, Wanted};
+use serde::Serialize;
+
+use super::error::CommandError;
+use super::output::{print, print_json, progress, refuse_input};
+use crate::arguments::ShapeArguments;
+
+/// Number of modes if none is asked for.
+const MODES: usize = 32;
+/// Steps of the progress bar.
+const STEPS: u64 = 100;
+
+/// Failure of `malleus shape`, with the file in which it lies.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ShapeError {
+    #[error("{}: {error}", path.display())]
+    File { path: PathBuf, error: FileError },
+    #[error("{}: {error}", path.display())]
+    Solve { path: PathBuf, error: solve::SolveError },
+    #[error("{}: {cause}; the shape file names it", path.display())]
+    Read { path: PathBuf, cause: std::io::Error },
+    #[error("{}: the file is no text in UTF-8; give a shape file", path.display())]
+    NoText { path: PathBuf },
+    #[error("{}: the outline is no .svg file; draw it as a closed path of an SVG file, or give polygon_m", path.display())]
+    Outline { path: PathBuf },
+    #[error("{}: the table that damping names has no modes", path.display())]
+    NoDecays { path: PathBuf },
+    #[error("{value} {option} is asked for; it must be {range}")]
+    Range { option: &'static str, value: f64, range: &'static str },
+    #[error(transparent)]
+    Benchmark(#[from] solve::SolveError),
+}
+
+/// Report that `--json` prints (docs/json.md).
+#[derive(Debug, Serialize)]
+struct ShapeReport<'a> {
+    input: &'a Path,
+    table: &'a Path,
+    /// Mass of the body, kg.
+    mass_kg: f64,
+    /// Number of unknowns and triangles of the finest mesh.
+    unknowns: usize,
+    triangles: usize,
+    /// Number of rigid motions, which are left out.
+    rigid: usize,
+    /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
+    counted: usize,
+    counted_to_hz: f64,
+    modes: Vec<ModeReport<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct ModeReport<'a> {
+    frequency_hz: f64,
+    /// Estimated error of the frequency, as a share of it.
+    error: f64,
+    decay_per_s: f64,
+    gain_sine: Vec<f64>,
+    gain_cosine: Vec<f64>,
+    #[serde(skip)]
+    mode: &'a solve::Mode,
+}
+
+pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
+    let (Some(input), Some(output)) = (&arguments.input, &arguments.output) else {
+        return super::shape_benchmarks::run(arguments.error, arguments.json);
+    };
+    refuse_input(output, [input.as_path()])?;
+    let bytes = ::kit::file::read_whole(input)?;
+    let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
+    let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
+    let outline = outline(input, &file)?;
+    let measured = decays(input, &file)?;
+    let bar = progress(STEPS, "finding the modes");
+    let solved = solve::solve(&file, &outline, measured, wanted(arguments)?, arguments.error, &mut |step| {
+        bar.set_position(step as u64);
+    });
+    bar.finish_and_clear();
+    let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
+    let source = input.file_name().unwrap_or_default().to_string_lossy();
+    let table = ::shape::table::of(&solved, &file.name, &format!("{source} (malleus shape)"), &arguments.licence);
+    ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
+    let report = report(input, output, &solved);
+    if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
+}
+
+fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
+    let above_0 = |option, value: f64| {
+        let is_right = value > 0.0 && value.is_finite();
+        if is_right { Ok(value) } else { Err(ShapeError::Range { option, value, range: "above 0" }) }
+    };
+    Ok(match (arguments.max_hz, arguments.budget, arguments.modes) {
+        (Some(frequency_hz), _, _) => Wanted::Below(above_0("--max-hz", frequency_hz)?),
+        (None, Some(cycles), _) => Wanted::Lowest(::fit::table::modes_within(above_0("--budget", cycles)?)),
+        (None, None, Some(0)) => return Err(ShapeError::Range { option: "--modes", value: 0.0, range: "1 or more" }),
+        (None, None, count) => Wanted::Lowest(count.unwrap_or(MODES)),
+    })
+}
+
+/// Outline of the file's polygon or SVG file.
+fn outline(input: &Path, file: &ShapeFile) -> Result<Outline, ShapeError> {
+    let in_file = |error| ShapeError::Solve { path: input.to_owned(), error: solve::SolveError::Outline(error) };
+    let Some(name) = &file.shape.outline else {
+        let polygon = file.shape.polygon_m.as_deref().unwrap_or(&[]);
+        return Outline::polygon(polygon, &file.shape.holes_m).map_err(in_file);
+    };
+    let path = input.parent().unwrap_or(Path::new("")).join(name);
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
+        return Err(ShapeError::Outline { path });
+    }
+    let text = std::fs::read_to_string(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
+    let unit_m = file.shape.unit_m.unwrap_or(1.0);
+    Outline::from_svg(&text, unit_m)
+        .map_err(|error| ShapeError::Solve { path, error: solve::SolveError::Outline(error) })
+}
+
+/// Frequency and decay of the modes of the table that `damping` names.
+fn decays(input: &Path, file: &ShapeFile) -> Result<Vec<[f64; 2]>, CommandError> {
+    let Some(name) = &file.material.damping else { return Ok(vec![]) };
+    let path = input.parent().unwrap_or(Path::new("")).join(name);
+    let loaded = ::kit::load(&path)?;
+    let modes = loaded.kit.objects.iter().flat_map(|object| &object.modes);
+    let decays: Vec<[f64; 2]> = modes.map(|mode| [f64::from(mode.frequency_hz), f64::from(mode.decay_per_s)]).collect();
+    if decays.is_empty() { Err(ShapeError::NoDecays { path }.into()) } else { Ok(decays) }
+}
+
+fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeReport<'a> {
+    let mode = |mode: &'a solve::Mode| ModeReport {
+        frequency_hz: mode.frequency_hz,
+        error: mode.error,
+        decay_per_s: mode.decay_per_s,
+        gain_sine: mode.gains.iter().map(|gain| gain.sine).collect(),
+        gain_cosine: mode.gains.iter().map(|gain| gain.cosine).collect(),
+        mode,
+    };
+    ShapeReport {
+        input,
+        table,
+        mass_kg: solved.mass_kg,
+        unknowns: solved.unknowns,
+        triangles: solved.triangles,
+        rigid: solved.rigid,
+        counted: solved.counted,
+        counted_to_hz: solved.counted_to_hz,
+        modes: solved.modes.iter().map(mode).collect(),
+    }
+}
+
+fn as_text(shown: &ShapeReport<'_>) -> String {
+    let mut text = format!(
+        "{}: {} modes of a body of {:.4} kg; {} unknowns in {} triangles; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
+        shown.table.display(),
+        shown.modes.len(),
+        shown.mass_kg,
+        shown.unknowns,
+        shown.triangles,
+        shown.counted,
+        shown.counted_to_hz,
+        shown.rigid
+    );
+    text += "mode  frequency Hz  error %  decay 1/s  largest gain\n";
+    for (number, mode) in shown.modes.iter().enumerate() {
+        let largest = mode.mode.gains.iter().map(|gain| gain.sine.hypot(gain.cosine)).fold(0.0, f64::max);
+        text += &format!(
+            "{:4}  {:12.3}  {:7.4}  {:9.3}  {:12.4}\n",
+            number + 1,
+            mode.frequency_hz,
+            100.0 * mode.error,
+            mode.decay_per_s,
+            largest
+        );
+    }
+    text
+}

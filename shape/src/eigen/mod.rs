@@ -1,0 +1,187 @@
+//! Modes of a sparse symmetric problem K φ = λ M φ, λ = ω².
+//!
+//! Lanczos steps by blocks with the inverse of K − σ M, σ a little below zero: the lowest modes
+//! come first, those of a free body (λ about 0) before all. A random start of a few vectors can
+//! miss some modes of a multiplet. The number of negative pivots of K − μ M says how many modes
+//! there are below μ: as long as it is higher than the number found, new random vectors join in.
+
+mod factor;
+mod lanczos;
+mod search;
+
+use factor::Plan;
+use thiserror::Error;
+
+/// Symmetric matrices of stiffness and mass with one pattern: the lower triangle by columns, rows
+/// of each column in order, the diagonal first.
+#[derive(Clone, Debug, Default)]
+pub struct Problem {
+    /// Number of unknowns.
+    pub size: usize,
+    /// Begin of each column in `rows`, and the end of the last one: `size + 1` numbers.
+    pub starts: Vec<usize>,
+    /// Row of each entry.
+    pub rows: Vec<usize>,
+    /// Entries of the stiffness K; positive semidefinite.
+    pub stiffness: Vec<f64>,
+    /// Entries of the mass M; positive definite.
+    pub mass: Vec<f64>,
+}
+
+/// Choice of modes to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// Number of modes, the lowest ones, rigid ones included.
+    Lowest(usize),
+    /// Highest λ = ω², (rad/s)²; values within 1e-10 of it, relatively, belong to the modes.
+    Below(f64),
+}
+
+/// Modes of a problem.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Modes {
+    /// Values λ = ω², (rad/s)², ascending. Those of rigid modes are about 0, and can be negative.
+    pub values: Vec<f64>,
+    /// Shapes φ of the modes, with φᵀ M φ = 1.
+    pub vectors: Vec<Vec<f64>>,
+    /// Number of eigenvalues below `count_limit`, by the inertia of K − `count_limit` M. All of
+    /// them were found, and those that were asked for are returned.
+    pub counted: usize,
+    /// Limit of the count, (rad/s)²: in a gap above the last mode.
+    pub count_limit: f64,
+}
+
+/// Reason for which there are no modes.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum EigenError {
+    /// Fewer unknowns than modes asked for, or none.
+    #[error("{wanted} modes asked for, but there are only {size} unknowns")]
+    TooFew {
+        /// Number of unknowns.
+        size: usize,
+        /// Number of modes asked for.
+        wanted: usize,
+    },
+    /// A mass that is not positive definite, or a stiffness with a negative eigenvalue.
+    #[error("the mass is not positive definite, or the stiffness has a negative eigenvalue")]
+    NotPositive,
+    /// Modes that the search did not find though the inertia counts them.
+    #[error("only {found} of {counted} modes found")]
+    Missed {
+        /// Number of modes found.
+        found: usize,
+        /// Number of modes that there are.
+        counted: usize,
+    },
+    /// A pattern that is not a lower triangle by columns, or entries that are not finite.
+    #[error("the matrices are not lower triangles by columns with finite entries")]
+    Malformed,
+    /// Too little memory for the factors or the vectors.
+    #[error("too little memory for this number of unknowns")]
+    Memory,
+}
+
+/// Finds modes of a problem, the lowest ones first, and verifies by inertia that none is missing.
+///
+/// `progress` hears how many modes are found, and of how many.
+pub fn modes(problem: &Problem, wanted: Wanted, progress: &mut dyn FnMut(usize, usize)) -> Result<Modes, EigenError> {
+    problem.check()?;
+    if let Wanted::Lowest(number) = wanted
+        && number > problem.size
+    {
+        return Err(EigenError::TooFew { size: problem.size, wanted: number });
+    }
+    let plan = Plan::new(problem)?;
+    plan.check_mass()?;
+    match wanted {
+        Wanted::Lowest(number) => search::lowest(&plan, number, f64::INFINITY, progress),
+        Wanted::Below(limit) => {
+            let number = plan.count_below(limit + search::GAP * limit.abs())?;
+            search::lowest(&plan, number, limit + 1e-10 * limit.abs(), progress)
+        }
+    }
+}
+
+/// Counts the eigenvalues λ below `limit`, (rad/s)², by the inertia of K − `limit` M.
+pub fn count_below(problem: &Problem, limit: f64) -> Result<usize, EigenError> {
+    problem.check()?;
+    let plan = Plan::new(problem)?;
+    plan.check_mass()?;
+    plan.count_below(limit)
+}
+
+impl Problem {
+    /// Checks the pattern, and that the entries are finite.
+    fn check(&self) -> Result<(), EigenError> {
+        if self.size == 0 {
+            return Err(EigenError::TooFew { size: 0, wanted: 1 });
+        }
+        let entries = self.rows.len();
+        let columns_sound = self.starts.len() == self.size + 1
+            && self.starts.first() == Some(&0)
+            && self.starts.last() == Some(&entries)
+            && self.starts.is_sorted()
+            && self.stiffness.len() == entries
+            && self.mass.len() == entries;
+        let sound = columns_sound
+            && self.starts.windows(2).enumerate().all(|(column, ends)| {
+                let rows = &self.rows[ends[0]..ends[1]];
+                rows.first() == Some(&column)
+                    && rows.last().is_some_and(|&last| last < self.size)
+                    && rows.windows(2).all(|pair| pair[0] < pair[1])
+            })
+            && self.stiffness.iter().chain(&self.mass).all(|entry| entry.is_finite());
+        if sound { Ok(()) } else { Err(EigenError::Malformed) }
+    }
+
+    /// Returns the highest ratio of stiffness and mass on the diagonal, (rad/s)²: about the highest
+    /// eigenvalue.
+    fn scale(&self) -> f64 {
+        let diagonal = self.starts[..self.size].iter();
+        diagonal.map(|&at| self.stiffness[at] / self.mass[at]).fold(0.0, f64::max)
+    }
+
+    /// Multiplies columns by the mass, four at a time: each entry is read once for them.
+    fn times_mass(&self, columns: &[f64], products: &mut [f64]) {
+        let (mut four, mut sums) = (vec![[0.0; 4]; self.size], vec![[0.0; 4]; self.size]);
+        for (columns, products) in columns.chunks(4 * self.size).zip(products.chunks_mut(4 * self.size)) {
+            for (lane, column) in columns.chunks_exact(self.size).enumerate() {
+                four.iter_mut().zip(column).for_each(|(four, &value)| four[lane] = value);
+            }
+            self.times_mass_four(&four, &mut sums);
+            for (lane, product) in products.chunks_exact_mut(self.size).enumerate() {
+                product.iter_mut().zip(&sums).for_each(|(value, sum)| *value = sum[lane]);
+            }
+        }
+    }
+
+    fn times_mass_four(&self, vectors: &[[f64; 4]], products: &mut [[f64; 4]]) {
+        products.fill([0.0; 4]);
+        for (column, ends) in self.starts.windows(2).enumerate() {
+            let (rows, entries) = (&self.rows[ends[0]..ends[1]], &self.mass[ends[0]..ends[1]]);
+            let of_column = vectors[column];
+            let mut sum = of_column.map(|value| entries[0] * value);
+            for (&row, &entry) in rows[1..].iter().zip(&entries[1..]) {
+                let (product, vector) = (&mut products[row], &vectors[row]);
+                for lane in 0..4 {
+                    product[lane] += entry * of_column[lane];
+                    sum[lane] += entry * vector[lane];
+                }
+            }
+            for lane in 0..4 {
+                products[column][lane] += sum[lane];
+            }
+        }
+    }
+
+    /// Returns φᵀ K φ.
+    fn energy(&self, vector: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        for (column, ends) in self.starts.windows(2).enumerate() {
+            let (rows, entries) = (&self.rows[ends[0]..ends[1]], &self.stiffness[ends[0]..ends[1]]);
+            let beside: f64 = rows[1..].iter().zip(&entries[1..]).map(|(&row, entry)| entry * vector[row]).sum();
+            energy += vector[column] * (entries[0] * vector[column] + 2.0 * beside);
+        }
+        energy
+    }
+}

@@ -1,0 +1,134 @@
+//! Checks of the numbers in a shape file.
+
+use super::{FileError, Kind, Modulus, Readout, ShapeFile};
+
+/// Maximum number of positions that a table holds.
+const MOST_POSITIONS: usize = 64;
+
+impl ShapeFile {
+    pub(super) fn check(&self) -> Result<(), FileError> {
+        if self.format != 1 {
+            return Err(FileError::Format(self.format));
+        }
+        self.check_shape()?;
+        self.check_material()?;
+        self.check_strike()
+    }
+
+    fn check_shape(&self) -> Result<(), FileError> {
+        let shape = &self.shape;
+        match (&shape.polygon_m, &shape.outline) {
+            (None, None) => return Err(missing("shape.polygon_m", "or outline, an SVG file")),
+            (Some(_), Some(_)) => return Err(FileError::Keys("shape.polygon_m and shape.outline exclude each other")),
+            (None, Some(_)) if shape.unit_m.is_none() => {
+                return Err(missing("shape.unit_m", "metres of a unit of the outline's file"));
+            }
+            _ => {}
+        }
+        positive("shape.unit_m", shape.unit_m)?;
+        positive("shape.thickness_m", shape.thickness_m)?;
+        positive("shape.tension_n_per_m", shape.tension_n_per_m)?;
+        positive("shape.density_kg_per_m2", shape.density_kg_per_m2)?;
+        if shape.kind == Kind::Membrane {
+            if shape.tension_n_per_m.is_none() {
+                return Err(missing("shape.tension_n_per_m", "the tension of the membrane"));
+            }
+            if shape.density_kg_per_m2.is_none() {
+                return Err(missing("shape.density_kg_per_m2", "the mass of the membrane per area"));
+            }
+        } else if shape.thickness_m.is_none() {
+            return Err(missing("shape.thickness_m", "the thickness of the plate, or the width of the sheet"));
+        }
+        if self.support.edge.is_some() && self.support.edges.is_some() {
+            return Err(FileError::Keys("support.edge and support.edges exclude each other"));
+        }
+        Ok(())
+    }
+
+    fn check_material(&self) -> Result<(), FileError> {
+        let (material, is_membrane) = (&self.material, self.shape.kind == Kind::Membrane);
+        let named = material.named()?;
+        positive("material.density_kg_per_m3", material.density_kg_per_m3)?;
+        positive("material.shear_modulus_pa", material.shear_modulus_pa)?;
+        not_negative("material.rayleigh_alpha_per_s", material.rayleigh_alpha_per_s)?;
+        not_negative("material.rayleigh_beta_s", material.rayleigh_beta_s)?;
+        not_negative("material.loss_factor", material.loss_factor)?;
+        let moduli = match &material.youngs_modulus_pa {
+            None => vec![],
+            Some(Modulus::All(modulus)) => vec![*modulus],
+            Some(Modulus::Grain(moduli)) => moduli.to_vec(),
+        };
+        moduli.iter().try_for_each(|&modulus| positive("material.youngs_modulus_pa", Some(modulus)))?;
+        if let Some(value) = material.poisson {
+            // Of wood the ratio along the grain may be above one half.
+            let is_right =
+                if moduli.len() == 2 { value * value * moduli[1] < moduli[0] } else { value > -1.0 && value < 0.5 };
+            if !is_right {
+                let range = "above -1 and below 0.5; of wood, its square below the ratio of the moduli";
+                return Err(FileError::Range { key: "material.poisson", value, range });
+            }
+        }
+        if named.is_none() && !is_membrane {
+            if material.density_kg_per_m3.is_none() {
+                return Err(missing("material.density_kg_per_m3", "or material.name"));
+            }
+            if moduli.is_empty() {
+                return Err(missing("material.youngs_modulus_pa", "or material.name"));
+            }
+            if material.poisson.is_none() {
+                return Err(missing("material.poisson", "or material.name"));
+            }
+        }
+        if moduli.len() == 2 && material.shear_modulus_pa.is_none() {
+            return Err(missing("material.shear_modulus_pa", "wood needs the shear modulus in its plane"));
+        }
+        let laws = [
+            material.rayleigh_alpha_per_s.is_some() || material.rayleigh_beta_s.is_some(),
+            material.loss_factor.is_some(),
+            material.damping.is_some(),
+        ];
+        if laws.iter().filter(|&&is_given| is_given).count() > 1 {
+            return Err(FileError::Keys("give one law of damping: rayleigh_*, loss_factor, or damping"));
+        }
+        if named.is_none() && !laws.contains(&true) {
+            return Err(missing("material.rayleigh_alpha_per_s", "or loss_factor, damping, or material.name"));
+        }
+        Ok(())
+    }
+
+    fn check_strike(&self) -> Result<(), FileError> {
+        if let Some(positions) = self.strike.positions.filter(|&count| count == 0 || count > MOST_POSITIONS) {
+            return Err(FileError::Range { key: "strike.positions", value: positions as f64, range: "1 to 64" });
+        }
+        if self.strike.path_m.as_ref().is_some_and(Vec::is_empty) {
+            return Err(missing("strike.path_m", "the path has no point"));
+        }
+        let places = self.sound.at_m.as_ref().map(Vec::len);
+        match (self.sound.readout, places) {
+            (Readout::Velocity, Some(2)) | (Readout::Pressure, Some(3)) | (Readout::Even, None) => Ok(()),
+            (Readout::Velocity, _) => Err(FileError::Keys("sound.at_m: the velocity is that of a point [x, y]")),
+            (Readout::Pressure, _) => Err(FileError::Keys("sound.at_m: the pressure is that at a point [x, y, z]")),
+            (Readout::Even, _) => Err(FileError::Keys("sound.at_m: give readout = \"velocity\" or \"pressure\" too")),
+        }
+    }
+}
+
+fn missing(key: &'static str, what: &'static str) -> FileError {
+    FileError::Missing { key, what }
+}
+
+fn positive(key: &'static str, value: Option<f64>) -> Result<(), FileError> {
+    match value {
+        Some(value) if !(value > 0.0 && value.is_finite()) => Err(FileError::Range { key, value, range: "above 0" }),
+        _ => Ok(()),
+    }
+}
+
+fn not_negative(key: &'static str, value: Option<f64>) -> Result<(), FileError> {
+    match value {
+        Some(value) if !(value >= 0.0 && value.is_finite()) => {
+            Err(FileError::Range { key, value, range: "0 or above" })
+        }
+        _ => Ok(()),
+    }
+}

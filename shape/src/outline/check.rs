@@ -1,0 +1,214 @@
+//! Outlines from points, and the check that an outline is a body.
+
+use super::side::{between, cross, distance, mix};
+use super::{Outline, OutlineError, Point, Side, reversed, ring_area, ring_contains, ring_sides};
+
+/// Chords by which a curved side is checked.
+const CHORDS: usize = 16;
+
+/// Share of the body's extent below which a distance counts as a touch.
+const TOUCH: f64 = 1e-9;
+
+/// Chord of a side.
+struct Chord {
+    ring: usize,
+    side: usize,
+    /// Place in the ring's row of chords, and the count of them.
+    place: [usize; 2],
+    ends: [Point; 2],
+}
+
+impl Outline {
+    /// Makes the outline of a polygon with holes, metres, and turns its rings the right way round.
+    ///
+    /// # Errors
+    /// Names the first ring that is no ring, or the first sides that cross or touch.
+    pub fn polygon(outer: &[Point], holes: &[Vec<Point>]) -> Result<Outline, OutlineError> {
+        let mut rings = Vec::with_capacity(1 + holes.len());
+        for points in std::iter::once(outer).chain(holes.iter().map(Vec::as_slice)) {
+            let mut points = points.to_vec();
+            points.dedup();
+            while points.len() > 1 && points.first() == points.last() {
+                points.pop();
+            }
+            if points.is_empty() && rings.is_empty() {
+                return Err(OutlineError::Empty);
+            }
+            rings.push(points.into_iter().map(|from| Side { from, curve: None }).collect());
+        }
+        Outline::oriented(rings)
+    }
+
+    /// Makes an outline of rings of any direction, the outer one first, and checks it.
+    pub(super) fn oriented(mut rings: Vec<Vec<Side>>) -> Result<Outline, OutlineError> {
+        for (index, ring) in rings.iter_mut().enumerate() {
+            check_finite(index, ring)?;
+            if (ring_area(ring) > 0.0) != (index == 0) {
+                *ring = reversed(ring);
+            }
+        }
+        let outline = Outline { rings };
+        outline.check()?;
+        Ok(outline)
+    }
+
+    /// Checks that the outline is that of one body: rings of finite numbers that enclose an area,
+    /// run the right way and cross or touch neither themselves nor each other, and holes inside the
+    /// outer ring and outside each other.
+    ///
+    /// # Errors
+    /// Names the first of these that does not hold, and where.
+    pub fn check(&self) -> Result<(), OutlineError> {
+        if self.rings.is_empty() {
+            return Err(OutlineError::Empty);
+        }
+        for (index, ring) in self.rings.iter().enumerate() {
+            check_finite(index, ring)?;
+        }
+        let extent = self.bounds().map_or(0.0, |[low, high]| distance(low, high));
+        for (index, ring) in self.rings.iter().enumerate() {
+            check_ring(index, ring, extent)?;
+        }
+        check_crossings(&self.chords(), TOUCH * extent)?;
+        for (index, ring) in self.rings.iter().enumerate().skip(1) {
+            let at = ring[0].from;
+            if !ring_contains(&self.rings[0], at) {
+                return Err(OutlineError::HoleOutside { ring: index, at });
+            }
+            let mut others = (1..self.rings.len()).filter(|other| *other != index);
+            if let Some(other) = others.find(|other| ring_contains(&self.rings[*other], at)) {
+                return Err(OutlineError::HoleInHole { ring: index, other, at });
+            }
+        }
+        Ok(())
+    }
+
+    /// Lists the chords of all sides.
+    fn chords(&self) -> Vec<Chord> {
+        let mut chords = Vec::new();
+        for (ring, sides) in self.rings.iter().enumerate() {
+            let begin = chords.len();
+            for (side, flat) in ring_sides(ring, sides).enumerate() {
+                let count = if flat.curve.is_some() { CHORDS } else { 1 };
+                for k in 0..count {
+                    let at = |k: usize| flat.point(k as f64 / count as f64);
+                    chords.push(Chord { ring, side, place: [chords.len() - begin, 0], ends: [at(k), at(k + 1)] });
+                }
+            }
+            let count = chords.len() - begin;
+            chords[begin..].iter_mut().for_each(|chord| chord.place[1] = count);
+        }
+        chords
+    }
+}
+
+/// Checks that all numbers of a ring are finite.
+fn check_finite(ring: usize, sides: &[Side]) -> Result<(), OutlineError> {
+    for (side, flat) in sides.iter().enumerate() {
+        let [a, b] = flat.curve.unwrap_or([flat.from; 2]);
+        // Squares of what is larger than this are no numbers any more.
+        let beyond = |p: &Point| !p.iter().all(|x| x.abs() < 1e100);
+        if let Some(at) = [flat.from, a, b].into_iter().find(beyond) {
+            return Err(OutlineError::NotFinite { ring, side, at });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a ring has points, lengths, area and the right direction.
+fn check_ring(ring: usize, sides: &[Side], extent: f64) -> Result<(), OutlineError> {
+    let curved = sides.iter().any(|side| side.curve.is_some());
+    if sides.len() < if curved { 2 } else { 3 } {
+        return Err(OutlineError::TooFewPoints { ring, points: sides.len() });
+    }
+    for (side, flat) in ring_sides(ring, sides).enumerate() {
+        if distance(flat.from, flat.to) <= TOUCH * extent {
+            return Err(OutlineError::NoLength { ring, side, at: flat.from });
+        }
+    }
+    let area = ring_area(sides);
+    let round: f64 = ring_sides(ring, sides).map(|side| distance(side.from, side.to)).sum();
+    if area.abs() <= 1e-12 * round * round {
+        return Err(OutlineError::NoArea { ring, at: sides[0].from });
+    }
+    if (area > 0.0) == (ring == 0) { Ok(()) } else { Err(OutlineError::WrongWay { ring }) }
+}
+
+/// Checks that no chord crosses or touches another one than its neighbours at their common ends.
+fn check_crossings(chords: &[Chord], tolerance: f64) -> Result<(), OutlineError> {
+    let reach = |chord: &Chord, axis: usize| {
+        let [a, b] = chord.ends.map(|p| p[axis]);
+        [a.min(b) - tolerance, a.max(b) + tolerance]
+    };
+    let mut order: Vec<usize> = (0..chords.len()).collect();
+    order.sort_by(|&a, &b| reach(&chords[a], 0)[0].total_cmp(&reach(&chords[b], 0)[0]).then(a.cmp(&b)));
+    for (place, &first) in order.iter().enumerate() {
+        let [_, right] = reach(&chords[first], 0);
+        let [low, high] = reach(&chords[first], 1);
+        for &second in &order[place + 1..] {
+            let [left, _] = reach(&chords[second], 0);
+            if left > right {
+                break;
+            }
+            let [below, above] = reach(&chords[second], 1);
+            if below <= high && above >= low {
+                let pair = [&chords[first.min(second)], &chords[first.max(second)]];
+                check_pair(pair, tolerance)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that two chords meet at most at their common end.
+fn check_pair([first, second]: [&Chord; 2], tolerance: f64) -> Result<(), OutlineError> {
+    let [[a, b], [c, d]] = [first.ends, second.ends];
+    let count = first.place[1];
+    let same = first.ring == second.ring;
+    let follows = same && (first.place[0] + 1) % count == second.place[0];
+    let precedes = same && (second.place[0] + 1) % count == first.place[0];
+    let meeting = if follows || precedes {
+        let mut far = Vec::new();
+        if follows {
+            far.extend([(a, [c, d]), (d, [a, b])]);
+        }
+        if precedes {
+            far.extend([(b, [c, d]), (c, [a, b])]);
+        }
+        far.into_iter().find(|(point, ends)| gap(*point, *ends) <= tolerance).map(|(point, _)| point)
+    } else {
+        meeting([a, b], [c, d], tolerance)
+    };
+    let Some(at) = meeting else { return Ok(()) };
+    if same {
+        return Err(OutlineError::Crosses { ring: first.ring, side: first.side, other: second.side, at });
+    }
+    Err(OutlineError::HoleTouches {
+        ring: second.ring,
+        side: second.side,
+        other: first.ring,
+        other_side: first.side,
+        at,
+    })
+}
+
+/// Gives the distance of a point from a straight line between two ends.
+fn gap(point: Point, ends: [Point; 2]) -> f64 {
+    let way = between(ends[0], ends[1]);
+    let to = between(ends[0], point);
+    let square = way[0] * way[0] + way[1] * way[1];
+    let share = if square > 0.0 { ((to[0] * way[0] + to[1] * way[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    distance(point, mix(ends[0], ends[1], share))
+}
+
+/// Gives the point in which two straight lines cross or touch.
+pub(crate) fn meeting([a, b]: [Point; 2], [c, d]: [Point; 2], tolerance: f64) -> Option<Point> {
+    let touch = [(a, [c, d]), (b, [c, d]), (c, [a, b]), (d, [a, b])];
+    if let Some((point, _)) = touch.into_iter().find(|(point, ends)| gap(*point, *ends) <= tolerance) {
+        return Some(point);
+    }
+    let side = |p: Point, q: Point, r: Point| cross(between(p, q), between(p, r));
+    let (from, to) = (side(c, d, a), side(c, d, b));
+    let apart = from * to > 0.0 || side(a, b, c) * side(a, b, d) > 0.0;
+    (!apart && from != to).then(|| mix(a, b, from / (from - to)))
+}

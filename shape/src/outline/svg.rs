@@ -1,0 +1,133 @@
+//! Outlines from SVG drawings.
+
+use super::arc::with_round_arcs;
+use super::side::distance;
+use super::{Outline, OutlineError, Point, Side, ring_area};
+use usvg::tiny_skia_path::{Path, PathSegment};
+
+/// Share of the drawing's size below which two points are one: drawings are read in 32 bit.
+const SAME: f64 = 1e-6;
+
+/// Subpath: where each side begins and bends, and where the last one ends.
+struct Subpath {
+    sides: Vec<Side>,
+    end: Point,
+    closed: bool,
+}
+
+impl Outline {
+    /// Makes the outline of a drawing in SVG: the shapes that are visible, with all transforms. The
+    /// largest ring is the outer one, those inside it are holes. The drawing's y axis points down,
+    /// the body's one up. A unit is `unit_m` metres long; it is that of the drawing's `viewBox`, or
+    /// a pixel if it has none.
+    ///
+    /// # Errors
+    /// Says what cannot be read, which path is open, or what [`Outline::check`] finds.
+    pub fn from_svg(text: &str, unit_m: f64) -> Result<Outline, OutlineError> {
+        if !(unit_m > 0.0 && unit_m.is_finite()) {
+            return Err(OutlineError::BadUnit { unit_m });
+        }
+        let unreadable = |reason: String| OutlineError::Svg { reason };
+        let tree = usvg::Tree::from_str(text, &usvg::Options::default()).map_err(|e| unreadable(e.to_string()))?;
+        let pixels = pixels_per_unit(text, tree.size()).map_err(unreadable)?;
+        let mut paths = Vec::new();
+        collect(tree.root(), &mut paths);
+        let scale = unit_m / pixels;
+        let extent = f64::from(tree.size().width().max(tree.size().height())) * scale;
+        let mut rings = Vec::new();
+        for path in &paths {
+            for subpath in subpaths(path, scale) {
+                rings.push(with_round_arcs(&close(subpath, rings.len(), SAME * extent)?));
+            }
+        }
+        let largest = |a: &usize, b: &usize| ring_area(&rings[*a]).abs().total_cmp(&ring_area(&rings[*b]).abs());
+        let Some(outer) = (0..rings.len()).rev().max_by(largest) else { return Err(OutlineError::NoPath) };
+        rings.swap(0, outer);
+        match Outline::oriented(rings) {
+            Err(OutlineError::HoleOutside { at, .. }) => Err(OutlineError::TwoPieces { at }),
+            other => other,
+        }
+    }
+}
+
+/// Gives the pixels per unit of the `viewBox`.
+fn pixels_per_unit(text: &str, size: usvg::Size) -> Result<f64, String> {
+    let options = usvg::roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let document = usvg::roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+    let root = document.root_element();
+    let Some(view) = root.attribute("viewBox") else { return Ok(1.0) };
+    let numbers: Vec<f64> =
+        view.split([' ', ',', '\t', '\n', '\r']).filter(|word| !word.is_empty()).flat_map(str::parse).collect();
+    let [_, _, width, height] = numbers[..] else { return Ok(1.0) };
+    let (across, up) = (f64::from(size.width()) / width, f64::from(size.height()) / height);
+    if !(across.is_finite() && up.is_finite() && across > 0.0 && up > 0.0) {
+        return Ok(1.0);
+    }
+    let slice = root.attribute("preserveAspectRatio").is_some_and(|value| value.contains("slice"));
+    Ok(if slice { across.max(up) } else { across.min(up) })
+}
+
+/// Collects the paths that are visible, with their transforms applied.
+fn collect(group: &usvg::Group, paths: &mut Vec<Path>) {
+    for node in group.children() {
+        match node {
+            usvg::Node::Group(group) => collect(group, paths),
+            usvg::Node::Path(path) if path.is_visible() => {
+                paths.extend(path.data().clone().transform(path.abs_transform()));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Parts a path into its subpaths, metres.
+fn subpaths(path: &Path, scale: f64) -> Vec<Subpath> {
+    let metres = |p: usvg::tiny_skia_path::Point| [f64::from(p.x) * scale, -f64::from(p.y) * scale];
+    let mut parts: Vec<Subpath> = Vec::new();
+    for segment in path.segments() {
+        if let PathSegment::MoveTo(to) = segment {
+            parts.push(Subpath { sides: Vec::new(), end: metres(to), closed: false });
+            continue;
+        }
+        let Some(part) = parts.last_mut() else { continue };
+        let from = part.end;
+        let (curve, to) = match segment {
+            PathSegment::MoveTo(to) | PathSegment::LineTo(to) => (None, metres(to)),
+            PathSegment::QuadTo(middle, to) => {
+                let (middle, to) = (metres(middle), metres(to));
+                let third = |end: Point| [0, 1].map(|axis| end[axis] + 2.0 / 3.0 * (middle[axis] - end[axis]));
+                (Some([third(from), third(to)]), to)
+            }
+            PathSegment::CubicTo(first, second, to) => (Some([metres(first), metres(second)]), metres(to)),
+            PathSegment::Close => {
+                part.closed = true;
+                continue;
+            }
+        };
+        part.sides.push(Side { from, curve });
+        part.end = to;
+    }
+    parts.retain(|part| !part.sides.is_empty());
+    parts
+}
+
+/// Makes a ring of a subpath: joins its end to its begin, and drops sides without length.
+fn close(part: Subpath, path: usize, same: f64) -> Result<Vec<Side>, OutlineError> {
+    let Subpath { mut sides, end, closed } = part;
+    let begin = sides[0].from;
+    let apart = distance(begin, end) > same;
+    if apart && !closed {
+        return Err(OutlineError::OpenPath { path, begin, end });
+    }
+    if apart {
+        sides.push(Side { from: end, curve: None });
+    }
+    let count = sides.len();
+    let starts: Vec<Point> = sides.iter().map(|side| side.from).collect();
+    let long = |k: usize, side: &Side| {
+        let to = starts[(k + 1) % count];
+        distance(side.from, to) > same
+            || side.curve.is_some_and(|controls| controls.iter().any(|c| distance(side.from, *c) > same))
+    };
+    Ok(sides.iter().enumerate().filter(|(k, side)| long(*k, side)).map(|(_, side)| *side).collect())
+}

@@ -1,0 +1,176 @@
+//! Body: outline, material and support as the elements take them.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{SolveError, Wanted};
+use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Sheet, Support};
+use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
+use crate::mesh::{Mesh, Sizing};
+use crate::outline::Outline;
+
+/// Extents of bodies, metres: others are units that were forgotten.
+const EXTENT_M: [f64; 2] = [1e-3, 20.0];
+/// Order of the elements.
+const ORDER: usize = 4;
+/// Model error of a plate at a wave number k and a thickness h, as a share of (k h)².
+const PLATE_ERROR: f64 = 0.004;
+
+/// Body of a shape file.
+#[derive(Clone, Debug)]
+pub struct Body {
+    pub(super) kind: Kind,
+    pub(super) outline: Outline,
+    pub(super) supports: Vec<Support>,
+    pub(super) material: Material,
+    pub(super) plane: PlaneState,
+    /// Thickness of a plate or width of a sheet, metres; 0 for a membrane.
+    pub(super) thickness_m: f64,
+    /// Tension, N/m, and mass per area, kg/m², of a membrane.
+    pub(super) skin: [f64; 2],
+}
+
+impl Body {
+    /// Body of a file and its outline.
+    ///
+    /// # Errors
+    /// A [`SolveError`] for numbers that fit no body.
+    pub fn of(file: &ShapeFile, outline: &Outline) -> Result<Self, SolveError> {
+        outline.check()?;
+        let [low, high] = outline.bounds().unwrap_or_default();
+        let extents = [0, 1].map(|axis| high[axis] - low[axis]);
+        let longest = extents[0].max(extents[1]);
+        if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&longest) {
+            let unit = if longest > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
+            return Err(SolveError::Size { size_m: longest, unit });
+        }
+        let kind = file.shape.kind;
+        let thickness_m = if kind == Kind::Membrane { 0.0 } else { file.shape.thickness_m.unwrap_or(0.0) };
+        let width_m = width(outline, extents);
+        if kind == Kind::Plate && thickness_m > width_m / 3.0 * (1.0 + 1e-9) {
+            return Err(SolveError::Thick { thickness_m, width_m });
+        }
+        let sides = outline.sides().len();
+        let whole = if kind == Kind::Membrane { Edge::Clamped } else { Edge::Free };
+        let edges = match &file.support.edges {
+            Some(edges) if edges.len() != sides => return Err(SolveError::Edges { given: edges.len(), sides }),
+            Some(edges) => edges.clone(),
+            None => vec![file.support.edge.unwrap_or(whole); sides],
+        };
+        let support = |edge: &Edge| match edge {
+            Edge::Free => Support::Free,
+            Edge::Hinged => Support::Hinged,
+            Edge::Clamped => Support::Clamped,
+        };
+        Ok(Self {
+            kind,
+            outline: outline.clone(),
+            supports: edges.iter().map(support).collect(),
+            material: material(file)?,
+            plane: match file.shape.plane {
+                Plane::Stress => PlaneState::Stress,
+                Plane::Strain => PlaneState::Strain,
+            },
+            thickness_m,
+            skin: [file.shape.tension_n_per_m.unwrap_or(0.0), file.shape.density_kg_per_m2.unwrap_or(0.0)],
+        })
+    }
+
+    /// Mass, kg.
+    pub fn mass_kg(&self) -> f64 {
+        let of_area = if self.kind == Kind::Membrane { self.skin[1] } else { self.material.density * self.thickness_m };
+        self.outline.area() * of_area
+    }
+
+    /// Wave number at a frequency, 1/m, of the slowest wave.
+    fn wave_number(&self, omega: f64) -> f64 {
+        let (youngs, shear) = softest(&self.material);
+        match self.kind {
+            Kind::Membrane => omega * (self.skin[1] / self.skin[0]).sqrt(),
+            Kind::Plate => {
+                let bending = youngs * self.thickness_m.powi(3) / 12.0;
+                (omega * omega * self.material.density * self.thickness_m / bending).powf(0.25)
+            }
+            // The lowest modes of a slender sheet bend: their waves are about this short.
+            Kind::Sheet => omega * (self.material.density / shear).sqrt(),
+        }
+    }
+
+    /// Wavelength of the highest mode that is wanted, metres; at most twice the longer extent.
+    pub(super) fn wavelength_m(&self, wanted: Wanted) -> f64 {
+        let [low, high] = self.outline.bounds().unwrap_or_default();
+        let extents = [0, 1].map(|axis| high[axis] - low[axis]);
+        let (longest, narrow) = (extents[0].max(extents[1]), width(&self.outline, extents));
+        let number = match wanted {
+            // As many half waves as modes in a slender body, their root in a wide one.
+            Wanted::Lowest(count) => {
+                let wide = (4.0 * PI * (count as f64 + 3.0) / self.outline.area()).sqrt();
+                let slender = PI * (count as f64 + 1.0) / longest;
+                wide.min(slender.max(PI / narrow))
+            }
+            Wanted::Below(frequency_hz) => self.wave_number(TAU * frequency_hz),
+        };
+        (TAU / number).min(2.0 * longest)
+    }
+
+    /// Share by which the theory of thick plates errs at a frequency, against elasticity in space.
+    pub(super) fn model_error(&self, frequency_hz: f64) -> f64 {
+        if self.kind != Kind::Plate {
+            return 0.0;
+        }
+        PLATE_ERROR * (self.wave_number(TAU * frequency_hz) * self.thickness_m).powi(2)
+    }
+
+    /// Mesh and matrices with edges of at most a length.
+    pub(super) fn discrete(&self, size_m: f64) -> Result<Discrete, SolveError> {
+        // The twist of a thick plate falls off within a thickness of a free edge.
+        let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
+        let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
+        let sizing = Sizing { size_m, layer_m, layered: layered.collect() };
+        self.elements(&Mesh::over(&self.outline, &sizing)?)
+    }
+
+    fn elements(&self, mesh: &Mesh) -> Result<Discrete, SolveError> {
+        let (material, thickness) = (self.material, self.thickness_m);
+        let [tension, density] = self.skin;
+        Ok(match self.kind {
+            Kind::Plate => Plate { material, thickness }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
+        })
+    }
+}
+
+/// Lowest Young's modulus and shear modulus of a material, Pa.
+fn softest(material: &Material) -> (f64, f64) {
+    match material.elasticity {
+        Elasticity::Isotropic { young, poisson } => (young, young / (2.0 * (1.0 + poisson))),
+        Elasticity::Orthotropic { young, shear, .. } => (young[0].min(young[1]), shear),
+    }
+}
+
+/// Width of an outline: its smaller extent, or what its area leaves beside its length.
+fn width(outline: &Outline, extents: [f64; 2]) -> f64 {
+    let (longer, shorter) = (extents[0].max(extents[1]), extents[0].min(extents[1]));
+    // A slanted bar is as wide as its area tells.
+    let diagonal = longer.hypot(shorter);
+    shorter.min(longer).min(2.0 * outline.area() / diagonal * 2.0)
+}
+
+/// Material of a file; that of a membrane is not used.
+fn material(file: &ShapeFile) -> Result<Material, SolveError> {
+    let given = &file.material;
+    let named = given.named()?;
+    let density = given.density_kg_per_m3.or(named.map(|named| named.density_kg_per_m3)).unwrap_or(1.0);
+    let poisson = given.poisson.or(named.map(|named| named.poisson)).unwrap_or(0.0);
+    let elasticity = match given.youngs_modulus_pa {
+        None => Elasticity::Isotropic { young: named.map_or(1.0, |named| named.youngs_modulus_pa), poisson },
+        Some(Modulus::All(young)) => Elasticity::Isotropic { young, poisson },
+        Some(Modulus::Grain(young)) => {
+            let shear = given.shear_modulus_pa.unwrap_or(young[1] / (2.0 * (1.0 + poisson)));
+            let grain = given.grain_deg.to_radians();
+            // Shear moduli over the thickness are not in the file: they are those of the plane.
+            Elasticity::Orthotropic { young, poisson, shear, transverse: [shear; 2], grain }
+        }
+    };
+    Ok(Material { elasticity, density })
+}

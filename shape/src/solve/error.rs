@@ -1,0 +1,102 @@
+//! Errors on the way from a shape to its modes.
+
+use crate::eigen::EigenError;
+use crate::element;
+use crate::file::FileError;
+use crate::mesh::MeshError;
+use crate::outline::OutlineError;
+
+/// Fault of a shape, or a limit of the method.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// Fault in the file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Fault of the outline.
+    #[error(transparent)]
+    Outline(#[from] OutlineError),
+    /// Outline that no mesh can be made of.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Numbers that no element can be made of.
+    #[error(transparent)]
+    Element(#[from] element::Error),
+    /// Modes that were not found.
+    #[error(transparent)]
+    Eigen(#[from] EigenError),
+    /// Error out of range.
+    #[error("an error of {0} is asked for; it must be above 0 and below 0.5")]
+    Error(f64),
+    /// Number of supports that is not that of the sides.
+    #[error("support.edges has {given} entries, and the outline {sides} sides (holes behind the outer ring)")]
+    Edges {
+        /// Number in the file.
+        given: usize,
+        /// Number of sides.
+        sides: usize,
+    },
+    /// Size of which no instrument is: a unit that was forgotten.
+    #[error(
+        "the body is {size_m} m long, and bodies from 1 mm to 20 m are solved; lengths are in metres: is {unit} meant?"
+    )]
+    Size {
+        /// Longest extent.
+        size_m: f64,
+        /// Unit that would fit.
+        unit: &'static str,
+    },
+    /// Plate that is too thick for the theory of plates.
+    #[error(
+        "thickness_m = {thickness_m} is more than a third of the width of {width_m} m; that is no plate: a sheet seen from the side, or a solid"
+    )]
+    Thick {
+        /// Thickness.
+        thickness_m: f64,
+        /// Smaller extent of the outline.
+        width_m: f64,
+    },
+    /// Place outside of the body.
+    #[error("{key}: the point ({x}, {y}) m is not on the body")]
+    Outside {
+        /// Key in the file.
+        key: &'static str,
+        /// Coordinates, metres.
+        x: f64,
+        /// Coordinates, metres.
+        y: f64,
+    },
+    /// Readout that the kind of body does not have.
+    #[error("sound.readout = \"pressure\" is that of a plate or a membrane in a baffle; take velocity for a sheet")]
+    NoPressure,
+    /// Nothing that vibrates up to the highest frequency.
+    #[error("no mode lies up to the highest frequency; ask for --modes N")]
+    NoModes,
+    /// Mode that does not oscillate.
+    #[error(
+        "the mode at {frequency_hz} Hz decays with {decay_per_s} 1/s and does not oscillate; lower the damping or the number of modes"
+    )]
+    Overdamped {
+        /// Frequency without damping.
+        frequency_hz: f64,
+        /// Decay.
+        decay_per_s: f64,
+    },
+    /// Mesh beyond the memory.
+    #[error("an error of {error} would take {unknowns} unknowns, and at most {most} are solved; ask for a larger --error or fewer modes", most = super::MOST_UNKNOWNS)]
+    TooLarge {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Error that was asked for.
+        error: f64,
+    },
+    /// Frequencies that still move on the finest mesh.
+    #[error(
+        "an error of {error} is asked for, and the finest mesh reaches {reached:.2e}; ask for a larger --error or fewer modes"
+    )]
+    NotConverged {
+        /// Error that was asked for.
+        error: f64,
+        /// Largest estimate.
+        reached: f64,
+    },
+}

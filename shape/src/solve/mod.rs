@@ -1,0 +1,198 @@
+//! From a shape file to modes: the mesh becomes finer until the frequencies stand.
+
+mod body;
+mod error;
+mod places;
+
+use std::f64::consts::TAU;
+
+use crate::damping::Damping;
+use crate::eigen::{self, Modes};
+use crate::element::Discrete;
+use crate::file::ShapeFile;
+use crate::gain::Gain;
+use crate::outline::Outline;
+
+pub use body::Body;
+pub use error::SolveError;
+pub use places::Places;
+
+/// Modes to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// A number of modes, the lowest.
+    Lowest(usize),
+    /// All modes up to a frequency in Hz.
+    Below(f64),
+}
+
+/// Mode of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Estimated error of the frequency, as a share of it.
+    pub error: f64,
+    /// Decay, 1/s: amplitude e^(-d t).
+    pub decay_per_s: f64,
+    /// Gains by position of the strike.
+    pub gains: Vec<Gain>,
+}
+
+/// Modes of a body, and the mesh on which they stand.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// Modes from the lowest to the highest, those of rigid motion left out.
+    pub modes: Vec<Mode>,
+    /// Number of rigid motions.
+    pub rigid: usize,
+    /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
+    pub counted: usize,
+    /// Frequency in Hz up to which the modes were counted.
+    pub counted_to_hz: f64,
+    /// Number of unknowns of the finest mesh.
+    pub unknowns: usize,
+    /// Number of triangles of the finest mesh.
+    pub triangles: usize,
+    /// Largest edge of each mesh, metres, the coarsest first.
+    pub sizes_m: Vec<f64>,
+    /// Frequencies on each mesh, Hz.
+    pub frequencies_hz: Vec<Vec<f64>>,
+    /// Mass of the body, kg.
+    pub mass_kg: f64,
+}
+
+/// Largest number of meshes, each finer than the one before.
+const MOST_MESHES: usize = 10;
+/// Ratio of a mesh's edges to those of the mesh before.
+const FINER: f64 = 0.7;
+/// Least growth of the number of unknowns from a mesh to the next one.
+const LEAST_GROWTH: f64 = 1.3;
+/// Largest number of unknowns: their factors take some 2 GB.
+pub const MOST_UNKNOWNS: usize = 400_000;
+/// Error that is added to each estimate: that of curves as cubics, and of rounding.
+const LEAST_ERROR: f64 = 1e-6;
+/// Edge of the first mesh, in wavelengths of the highest mode.
+const FIRST_SIZE: f64 = 0.5;
+
+/// Finds the modes of a shape. `measured` are frequency and decay of the modes of the table that
+/// the material's `damping` names; `outline` is that of the file or of its SVG. `tell` gets the
+/// steps that are done, of 100.
+///
+/// # Errors
+/// A [`SolveError`] that says what to change.
+pub fn solve(
+    file: &ShapeFile,
+    outline: &Outline,
+    measured: Vec<[f64; 2]>,
+    wanted: Wanted,
+    error: f64,
+    tell: &mut dyn FnMut(usize),
+) -> Result<Solved, SolveError> {
+    if !(error > 0.0 && error < 0.5) {
+        return Err(SolveError::Error(error));
+    }
+    let body = Body::of(file, outline)?;
+    let places = Places::of(file, outline)?;
+    let damping = Damping::of(&file.material, measured);
+    let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
+    let (mut sizes_m, mut frequencies_hz) = (Vec::new(), Vec::<Vec<f64>>::new());
+    let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
+    let mut unknowns_before = 0;
+    for mesh in 0..MOST_MESHES {
+        tell(100 * mesh / MOST_MESHES);
+        let discrete = body.discrete(size_m)?;
+        let unknowns = discrete.problem.size;
+        if unknowns > MOST_UNKNOWNS {
+            return Err(SolveError::TooLarge { unknowns, error });
+        }
+        // A curved outline may have the same mesh for both sizes.
+        if (unknowns as f64) < LEAST_GROWTH * f64::from(unknowns_before) {
+            size_m *= FINER;
+            continue;
+        }
+        unknowns_before = unknowns as u32;
+        let found = find(&discrete, wanted)?;
+        let elastic: Vec<f64> =
+            found.values.iter().skip(discrete.rigid).map(|value| value.max(0.0).sqrt() / TAU).collect();
+        if elastic.is_empty() {
+            return Err(SolveError::NoModes);
+        }
+        let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
+        sizes_m.push(size_m);
+        frequencies_hz.push(elastic.clone());
+        let worst = estimates.iter().copied().fold(0.0, f64::max);
+        let model = elastic.iter().map(|&frequency| body.model_error(frequency)).fold(0.0, f64::max);
+        if worst <= error.max(1.05 * model) {
+            tell(95);
+            let modes = modes(&discrete, &found, &places, &damping, &estimates)?;
+            tell(100);
+            return Ok(Solved {
+                modes,
+                rigid: discrete.rigid,
+                counted: found.counted,
+                counted_to_hz: found.count_limit.max(0.0).sqrt() / TAU,
+                unknowns,
+                triangles: discrete.nodes.triangles.len(),
+                sizes_m,
+                frequencies_hz,
+                mass_kg: body.mass_kg(),
+            });
+        }
+        before = Some((elastic, estimates));
+        size_m *= FINER;
+    }
+    let worst = before.map_or(1.0, |(_, estimates)| estimates.iter().copied().fold(0.0, f64::max));
+    Err(SolveError::NotConverged { error, reached: worst })
+}
+
+/// Finds the modes that are wanted, and those of rigid motion.
+fn find(discrete: &Discrete, wanted: Wanted) -> Result<Modes, SolveError> {
+    let wanted = match wanted {
+        Wanted::Lowest(count) => eigen::Wanted::Lowest(count + discrete.rigid),
+        Wanted::Below(frequency_hz) => eigen::Wanted::Below((TAU * frequency_hz).powi(2)),
+    };
+    Ok(eigen::modes(&discrete.problem, wanted, &mut |_, _| {})?)
+}
+
+/// Estimates the error of each frequency from the mesh before, and of the model.
+///
+/// The error of a mesh is at most what its frequencies differ from those of the mesh before, even
+/// where it falls as slowly as at the sharpest corner of a membrane. A single difference may be
+/// small by chance, hence each mode has the largest one of all modes up to the next above it.
+fn estimates(body: &Body, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec<f64> {
+    let change = |(index, &frequency): (usize, &f64)| {
+        before.and_then(|before| before.get(index)).map_or(1.0, |&other| (frequency - other).abs() / frequency)
+    };
+    let changes: Vec<f64> = frequencies_hz.iter().enumerate().map(change).collect();
+    let mut largest = 0.0_f64;
+    let of = |(index, &frequency): (usize, &f64)| {
+        let near = changes.iter().skip(index).take(2).copied().fold(0.0, f64::max);
+        largest = largest.max(near);
+        largest + LEAST_ERROR + body.model_error(frequency)
+    };
+    frequencies_hz.iter().enumerate().map(of).collect()
+}
+
+/// Modes with their decays and gains.
+fn modes(
+    discrete: &Discrete,
+    found: &Modes,
+    places: &Places,
+    damping: &Damping,
+    estimates: &[f64],
+) -> Result<Vec<Mode>, SolveError> {
+    let elastic = found.values.iter().zip(&found.vectors).skip(discrete.rigid);
+    let of = |((value, vector), &error): ((&f64, &Vec<f64>), &f64)| {
+        let omega = value.max(0.0).sqrt();
+        let decay_per_s = damping.decay_per_s(omega / TAU);
+        if decay_per_s >= omega {
+            return Err(SolveError::Overdamped { frequency_hz: omega / TAU, decay_per_s });
+        }
+        // The body's frequency is the undamped one; a table has the damped one.
+        let damped = (omega * omega - decay_per_s * decay_per_s).sqrt();
+        let gains = places.gains(discrete, vector, damped, decay_per_s)?;
+        Ok(Mode { frequency_hz: damped / TAU, error, decay_per_s, gains })
+    };
+    elastic.zip(estimates).map(of).collect()
+}

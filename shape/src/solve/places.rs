@@ -1,0 +1,208 @@
+//! Places of strikes, and of what is heard.
+
+use super::SolveError;
+use crate::element::Discrete;
+use crate::file::{Kind, Readout, ShapeFile};
+use crate::gain::{self, Gain, Surface};
+use crate::outline::{FlatSide, Outline, Point};
+
+/// Number of positions of a strike if the file does not tell.
+const POSITIONS: usize = 9;
+/// Share of the way to the rim at which the last position lies if the file has no path.
+const NEAR_RIM: f64 = 0.98;
+
+/// Places of strikes, and what is heard.
+#[derive(Clone, Debug)]
+pub struct Places {
+    kind: Kind,
+    /// Places of strikes, with their direction in the plane of a sheet.
+    strikes: Vec<(Point, [f64; 2])>,
+    heard: Heard,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Heard {
+    Even,
+    Velocity(Point, [f64; 2]),
+    Pressure([f64; 3]),
+}
+
+impl Places {
+    /// Places of a file.
+    ///
+    /// # Errors
+    /// [`SolveError::NoPressure`] of a sheet.
+    pub fn of(file: &ShapeFile, outline: &Outline) -> Result<Self, SolveError> {
+        let kind = file.shape.kind;
+        let count = file.strike.positions.unwrap_or(POSITIONS);
+        let path = match &file.strike.path_m {
+            Some(path) => path.clone(),
+            None => default_path(kind, outline),
+        };
+        let direction = |given: Option<[f64; 2]>, at: Point| match given {
+            Some([x, y]) => {
+                let length = x.hypot(y).max(f64::MIN_POSITIVE);
+                [x / length, y / length]
+            }
+            None => normal(outline, at),
+        };
+        let strikes = along(&path, count).into_iter().map(|at| (at, direction(file.strike.direction, at))).collect();
+        let heard = match (file.sound.readout, file.sound.at_m.as_deref()) {
+            (Readout::Velocity, Some(&[x, y])) => Heard::Velocity([x, y], direction(file.sound.direction, [x, y])),
+            (Readout::Pressure, Some(&[x, y, z])) if kind != Kind::Sheet => Heard::Pressure([x, y, z]),
+            (Readout::Pressure, _) => return Err(SolveError::NoPressure),
+            _ => Heard::Even,
+        };
+        Ok(Self { kind, strikes, heard })
+    }
+
+    /// Gains of a mode at all positions; ω in rad/s, d in 1/s.
+    pub(super) fn gains(
+        &self,
+        discrete: &Discrete,
+        vector: &[f64],
+        omega: f64,
+        decay_per_s: f64,
+    ) -> Result<Vec<Gain>, SolveError> {
+        let shape = |key: &'static str, at: Point, direction: [f64; 2]| {
+            let value = discrete.value(vector, at).ok_or(SolveError::Outside { key, x: at[0], y: at[1] })?;
+            let is_sheet = self.kind == Kind::Sheet;
+            Ok::<f64, SolveError>(if is_sheet { value[0] * direction[0] + value[1] * direction[1] } else { value[0] })
+        };
+        let strikes = self.strikes.iter().map(|&(at, direction)| shape("strike.path_m", at, direction));
+        let strikes = strikes.collect::<Result<Vec<f64>, _>>()?;
+        let gains = strikes.into_iter();
+        Ok(match self.heard {
+            Heard::Even => gains.map(gain::even).collect(),
+            Heard::Velocity(at, direction) => {
+                let heard = shape("sound.at_m", at, direction)?;
+                gains.map(|strike| gain::velocity(strike, heard, omega, decay_per_s)).collect()
+            }
+            Heard::Pressure(at_m) => {
+                let pieces = pieces(discrete, vector);
+                let surface = pieces.iter().map(|&(at_m, area_m2, value)| (Surface { at_m, area_m2 }, value));
+                let unit = gain::pressure(1.0, surface, at_m, omega, decay_per_s);
+                gains.map(|strike| Gain { sine: strike * unit.sine, cosine: strike * unit.cosine }).collect()
+            }
+        })
+    }
+}
+
+/// Degree up to which integrals over an element are exact: a shape of order 4 and a wave of sound.
+const DEGREE: usize = 8;
+
+/// Place, area and value of a mode at the points of a quadrature over the body.
+fn pieces(discrete: &Discrete, vector: &[f64]) -> Vec<(Point, f64, f64)> {
+    let nodes = &discrete.nodes;
+    let samples = nodes.functions.samples(DEGREE);
+    let of_triangle = |numbers: &Vec<usize>| {
+        let values: Vec<f64> = numbers.iter().map(|&node| discrete.at_node(vector, node)[0]).collect();
+        let positions: Vec<Point> = numbers.iter().filter_map(|&node| nodes.positions.get(node)).copied().collect();
+        let piece = |sample: &crate::element::Sample| {
+            let (mut at, mut value, mut by) = ([0.0; 2], 0.0, [[0.0; 2]; 2]);
+            let functions = sample.values.iter().zip(&sample.derivatives);
+            for ((factor, derivatives), (position, node)) in functions.zip(positions.iter().zip(&values)) {
+                value += factor * node;
+                for axis in 0..2 {
+                    at[axis] += factor * position[axis];
+                    by[axis][0] += derivatives[0] * position[axis];
+                    by[axis][1] += derivatives[1] * position[axis];
+                }
+            }
+            (at, sample.weight * (by[0][0] * by[1][1] - by[0][1] * by[1][0]), value)
+        };
+        samples.iter().map(piece).collect::<Vec<_>>()
+    };
+    nodes.triangles.iter().flat_map(of_triangle).collect()
+}
+
+/// Points evenly along a path.
+fn along(path: &[Point], count: usize) -> Vec<Point> {
+    let Some(&first) = path.first() else { return vec![] };
+    let lengths: Vec<f64> = path.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
+    let whole: f64 = lengths.iter().sum();
+    let point = |index: usize| {
+        let mut rest = if count > 1 { whole * index as f64 / (count - 1) as f64 } else { 0.0 };
+        for (pair, &length) in path.windows(2).zip(&lengths) {
+            if rest <= length && length > 0.0 {
+                let share = rest / length;
+                return [0, 1].map(|axis| pair[0][axis] + share * (pair[1][axis] - pair[0][axis]));
+            }
+            rest -= length;
+        }
+        path.last().copied().unwrap_or(first)
+    };
+    (0..count).map(point).collect()
+}
+
+/// Path of strikes without one in the file: from the middle to the rim, of a sheet along its
+/// longest side.
+fn default_path(kind: Kind, outline: &Outline) -> Vec<Point> {
+    let sides = outline.sides();
+    if kind == Kind::Sheet {
+        let length = |side: &&FlatSide| distance(side.from, side.to);
+        let longest = sides.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+        let Some(side) = longest else { return vec![] };
+        let middle = [0, 1].map(|axis| (side.from[axis] + side.to[axis]) / 2.0);
+        return vec![middle, side.from];
+    }
+    let middle = innermost(outline);
+    // Off the axes, where the modes of a symmetric body have their nodes.
+    let to = [0.8_f64, 0.6];
+    let [low, high] = outline.bounds().unwrap_or_default();
+    let reach = distance(low, high);
+    let (mut inside, mut outside) = (0.0, reach);
+    let at = |far: f64| [middle[0] + far * to[0], middle[1] + far * to[1]];
+    // The rim is where the way leaves the body first.
+    let steps = 256;
+    if let Some(step) = (1..=steps).find(|&step| !outline.contains(at(reach * f64::from(step) / f64::from(steps)))) {
+        (inside, outside) =
+            (reach * f64::from(step - 1) / f64::from(steps), reach * f64::from(step) / f64::from(steps));
+    }
+    for _ in 0..40 {
+        let half = (inside + outside) / 2.0;
+        if outline.contains(at(half)) { inside = half } else { outside = half }
+    }
+    vec![middle, at(NEAR_RIM * inside)]
+}
+
+/// Point of a grid over the body that lies farthest from its rim.
+fn innermost(outline: &Outline) -> Point {
+    let [low, high] = outline.bounds().unwrap_or_default();
+    let sides = outline.sides();
+    let chords: Vec<[Point; 2]> = sides.iter().map(|side| [side.from, side.to]).collect();
+    let clear = |at: Point| chords.iter().map(|&[from, to]| from_chord(at, from, to)).fold(f64::MAX, f64::min);
+    let steps = 32;
+    let grid = (1..steps).flat_map(|x| (1..steps).map(move |y| [x, y]));
+    let points = grid.map(|[x, y]| {
+        [
+            low[0] + (high[0] - low[0]) * f64::from(x) / f64::from(steps),
+            low[1] + (high[1] - low[1]) * f64::from(y) / f64::from(steps),
+        ]
+    });
+    let inside = points.filter(|&at| outline.contains(at));
+    inside.max_by(|&a, &b| clear(a).total_cmp(&clear(b))).unwrap_or(low)
+}
+
+/// Normal of the side that lies next to a point, out of the body.
+fn normal(outline: &Outline, at: Point) -> [f64; 2] {
+    let sides = outline.sides();
+    let far = |side: &&FlatSide| from_chord(at, side.from, side.to);
+    let Some(side) = sides.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else { return [0.0, 1.0] };
+    let along = [side.to[0] - side.from[0], side.to[1] - side.from[1]];
+    let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
+    [along[1] / length, -along[0] / length]
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Distance of a point from a chord.
+fn from_chord(at: Point, from: Point, to: Point) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let square = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);
+    let share = ((at[0] - from[0]) * along[0] + (at[1] - from[1]) * along[1]) / square;
+    let share = share.clamp(0.0, 1.0);
+    distance(at, [from[0] + share * along[0], from[1] + share * along[1]])
+}

@@ -1,0 +1,68 @@
+//! Table of a body: the kit text that people keep and boards play.
+
+use kit::{Acceleration, Kit, Mode, Object, Pulse, Striker};
+
+use crate::solve::Solved;
+
+/// Peak force of the table's striker at velocity 1, N; the reference force as well.
+const PEAK_FORCE_N: f32 = 20.0;
+/// Contact time of the table's striker at velocity 1, s: a hard mallet.
+const CONTACT_TIME_S: f32 = 5e-4;
+/// Decays that the format holds, 1/s.
+const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
+/// Maximum length of an item's name.
+const NAME_LENGTH: usize = 24;
+
+/// The object and a hard mallet as a kit without pads.
+pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
+    let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
+    let modes = solved.modes.iter().map(|mode| Mode {
+        frequency_hz: mode.frequency_hz as f32,
+        decay_per_s: (mode.decay_per_s as f32).clamp(DECAYS_PER_S[0], DECAYS_PER_S[1]),
+        gains: mode.gains.iter().map(gain).collect(),
+    });
+    let name = item_name(name, "");
+    Kit {
+        name: name.clone(),
+        objects: vec![Object {
+            name: name.clone(),
+            source: source.to_owned(),
+            licence: licence.to_owned(),
+            reference_force: PEAK_FORCE_N,
+            acceleration: Acceleration::Factor(0.0),
+            modes: modes.collect(),
+            residual: None,
+            dynamic_filter: None,
+            biquads: None,
+            surface: None,
+        }],
+        strikers: vec![Striker {
+            name: item_name(&name, " mallet"),
+            source: "hard mallet, chosen".to_owned(),
+            licence: licence.to_owned(),
+            pulse: Pulse::Hertz,
+            peak_force: PEAK_FORCE_N,
+            peak_exponent: 1.2,
+            contact_time_s: CONTACT_TIME_S,
+            contact_exponent: -0.2,
+            restitution: Striker::DEFAULT_RESTITUTION,
+            scrape: None,
+            roll: None,
+            modes: Vec::new(),
+        }],
+        pads: Vec::new(),
+        background: None,
+        room: vec![],
+        headphone_db: None,
+        surfaces: Vec::new(),
+    }
+}
+
+/// A name that the format accepts: printable ASCII without comma and quote, at most 24 characters,
+/// `ending` included.
+fn item_name(wanted: &str, ending: &str) -> String {
+    let plain = |c: char| if (' '..='~').contains(&c) && c != ',' && c != '"' { c } else { '-' };
+    let name: String = wanted.trim().chars().map(plain).take(NAME_LENGTH - ending.len()).collect();
+    let name = name.trim();
+    format!("{}{ending}", if name.is_empty() { "object" } else { name })
+}

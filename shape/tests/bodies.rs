@@ -1,0 +1,218 @@
+//! Frequencies, gains and estimates of whole bodies, from the text of a shape file to the modes.
+
+use std::f64::consts::{PI, TAU};
+
+use shape::file::ShapeFile;
+use shape::outline::Outline;
+use shape::solve::{self, SolveError, Solved, Wanted};
+
+/// Material of the tests: E 200 GPa, ν 0.3, ρ 8000 kg/m³, without damping.
+const METAL: &str = "density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0";
+
+fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Result<Solved, SolveError> {
+    let file = ShapeFile::parse(text)?;
+    let outline = match svg {
+        Some(svg) => Outline::from_svg(svg, file.shape.unit_m.unwrap_or(1.0))?,
+        None => Outline::polygon(file.shape.polygon_m.as_deref().unwrap_or(&[]), &file.shape.holes_m)?,
+    };
+    solve::solve(&file, &outline, vec![], wanted, error, &mut |_| {})
+}
+
+fn frequencies(solved: &Solved) -> Vec<f64> {
+    solved.modes.iter().map(|mode| mode.frequency_hz).collect()
+}
+
+/// Text of a plate; `support` is that of all edges.
+fn plate(polygon: &str, thickness: f64, support: &str) -> String {
+    format!(
+        "format = 1\nname = \"plate\"\nshape = {{ kind = \"plate\", {polygon}, thickness_m = {thickness} }}\n\
+         material = {{ {METAL} }}\nsupport = {{ edge = \"{support}\" }}\n"
+    )
+}
+
+/// Frequency of a thin plate of the tests' material whose frequency parameter is λ² = ω a² √(ρh/D).
+fn thin_hz(parameter: f64, size_m: f64, thickness: f64) -> f64 {
+    let stiffness = 200e9 * thickness.powi(3) / (12.0 * (1.0 - 0.09));
+    parameter / (size_m * size_m) * (stiffness / (8000.0 * thickness)).sqrt() / TAU
+}
+
+/// Asserts that frequencies are within a share of others, and returns the largest difference.
+fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f64 {
+    let found = frequencies(solved);
+    assert!(found.len() >= expected.len(), "{found:?}");
+    let off = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs();
+    let offs: Vec<f64> = found.iter().zip(expected).map(off).collect();
+    let worst = offs.iter().copied().fold(0.0, f64::max);
+    println!("worst {:.5} % of {} modes, {} unknowns", 100.0 * worst, expected.len(), solved.unknowns);
+    assert!(worst <= share, "{found:?}\n{expected:?}");
+    let honest = solved.modes.iter().zip(&offs).filter(|(mode, off)| **off <= 2.0 * mode.error).count();
+    assert!(20 * honest >= 19 * expected.len(), "estimates: {honest} of {} are honest", expected.len());
+    // A multiplet at the end is counted whole.
+    let counted = solved.counted - solved.rigid;
+    assert!((found.len()..found.len() + 8).contains(&counted), "the inertia counts {counted} modes");
+    worst
+}
+
+fn sorted(mut values: Vec<f64>, count: usize) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    values.truncate(count);
+    values
+}
+
+#[test]
+fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
+    for aspect in [1.0, 1.37, 3.1] {
+        let polygon = format!("polygon_m = [[0, 0], [{aspect}, 0], [{aspect}, 1], [0, 1]]");
+        let solved = solve_text(&plate(&polygon, 0.0005, "hinged"), None, Wanted::Lowest(32), 0.001).unwrap();
+        let waves = (1..40).flat_map(|m| (1..40).map(move |n| [f64::from(m), f64::from(n)]));
+        let parameter = |[m, n]: [f64; 2]| PI * PI * ((m / aspect).powi(2) + n * n);
+        let expected = sorted(waves.map(|waves| thin_hz(parameter(waves), 1.0, 0.0005)).collect(), 32);
+        assert_within(&solved, &expected, 0.001);
+    }
+}
+
+#[test]
+fn thin_clamped_squares_and_discs_have_the_published_frequencies() {
+    let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
+    let square = solve_text(&plate(polygon, 0.0005, "clamped"), None, Wanted::Lowest(6), 0.001).unwrap();
+    let parameters = [35.9852, 73.3938, 73.3938, 108.217, 131.581, 132.205];
+    assert_within(&square, &parameters.map(|parameter| thin_hz(parameter, 1.0, 0.0005)), 0.001);
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
+    let text = plate("outline = \"disc.svg\", unit_m = 1", 0.0005, "clamped");
+    let disc = solve_text(&text, Some(svg), Wanted::Lowest(12), 0.001).unwrap();
+    let parameters =
+        [10.2158, 21.2604, 21.2604, 34.8770, 34.8770, 39.7711, 51.0300, 51.0300, 60.8287, 60.8287, 69.6658, 69.6658];
+    assert_within(&disc, &parameters.map(|parameter| thin_hz(parameter, 1.0, 0.0005)), 0.001);
+    for pair in [[1, 2], [3, 4], [6, 7]] {
+        let [a, b] = pair.map(|mode: usize| frequencies(&disc)[mode]);
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} and {b} are a pair");
+    }
+}
+
+#[test]
+fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
+    let text = |shape: &str| {
+        format!(
+            "format = 1\nname = \"skin\"\nshape = {{ kind = \"membrane\", {shape}, tension_n_per_m = 1, density_kg_per_m2 = 1 }}\nmaterial = {{ loss_factor = 0 }}\n"
+        )
+    };
+    let l = "polygon_m = [[0, 0], [1, 0], [1, -1], [-1, -1], [-1, 1], [0, 1]]";
+    let solved = solve_text(&text(l), None, Wanted::Lowest(3), 0.0005).unwrap();
+    let expected = [9.639_723_8_f64, 15.197_252, 19.739_209].map(|value| value.sqrt() / TAU);
+    assert_within(&solved, &expected, 0.0005);
+    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
+    let disc = solve_text(&text("outline = \"disc.svg\", unit_m = 1"), Some(svg), Wanted::Lowest(8), 0.0005).unwrap();
+    let zeros = [2.404_825_6, 3.831_706, 3.831_706, 5.135_622_3, 5.135_622_3, 5.520_078_1, 6.380_161_9, 6.380_161_9];
+    assert_within(&disc, &zeros.map(|zero| zero / TAU), 0.0005);
+    // Equilateral triangle of side 1: λ = (16 π²/9) (m² + m n + n²).
+    let triangle = format!("polygon_m = [[0, 0], [1, 0], [0.5, {}]]", 0.75_f64.sqrt());
+    let solved = solve_text(&text(&triangle), None, Wanted::Lowest(8), 0.0005).unwrap();
+    let waves = (1..12).flat_map(|m| (1..12).map(move |n| f64::from(m * m + m * n + n * n)));
+    let expected = sorted(waves.map(|square| (16.0 / 9.0 * square).sqrt() * PI / TAU).collect(), 8);
+    assert_within(&solved, &expected, 0.0005);
+}
+
+#[test]
+fn benchmarks_are_as_near_as_the_page_says() {
+    for benchmark in shape::benchmarks::all() {
+        let computed = benchmark.solve(0.001).unwrap();
+        let differences: Vec<f64> = computed.iter().zip(benchmark.published_hz).map(|(a, b)| a / b - 1.0).collect();
+        println!("{}: {differences:.4?}", benchmark.name);
+        let most = match benchmark.name {
+            "FV12 free plate" | "FV16 thin-plate theory" => 0.003,
+            "FV16 cantilever" => 0.013,
+            "FV32 tapered sheet" => 0.001,
+            _ => 0.005,
+        };
+        assert!(differences.iter().all(|difference| difference.abs() <= most), "{}", benchmark.name);
+    }
+}
+
+#[test]
+fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
+    let text = "format = 1\nname = \"plate\"\n\
+        shape = { kind = \"plate\", polygon_m = [[0, 0], [1.3, 0], [1.3, 1], [0, 1]], thickness_m = 0.001 }\n\
+        material = { density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0.01 }\n\
+        support = { edge = \"hinged\" }\n\
+        strike = { path_m = [[0.2, 0.3], [0.9, 0.8]], positions = 5 }\n\
+        sound = { readout = \"velocity\", at_m = [0.31, 0.27] }\n";
+    let solved = solve_text(text, None, Wanted::Lowest(12), 0.001).unwrap();
+    let mass: f64 = 8000.0 * 0.001 * 1.3;
+    let waves = (1..9).flat_map(|m| (1..9).map(move |n| [f64::from(m), f64::from(n)]));
+    let mut waves: Vec<[f64; 2]> = waves.collect();
+    let square = |[m, n]: [f64; 2]| (m / 1.3).powi(2) + n * n;
+    waves.sort_by(|&a, &b| square(a).total_cmp(&square(b)));
+    let shape = |[m, n]: [f64; 2], [x, y]: [f64; 2]| (m * PI * x / 1.3).sin() * (n * PI * y).sin() * 2.0 / mass.sqrt();
+    for (mode, &waves) in solved.modes.iter().zip(&waves) {
+        for (position, gain) in mode.gains.iter().enumerate() {
+            let share = position as f64 / 4.0;
+            let at = [0.2 + 0.7 * share, 0.3 + 0.5 * share];
+            let expected = shape(waves, at) * shape(waves, [0.31, 0.27]);
+            let largest = 4.0 / mass;
+            if expected.abs() > 0.1 * largest {
+                assert!((gain.cosine / expected - 1.0).abs() < 0.01, "{waves:?} at {at:?}: {gain:?}, {expected}");
+            }
+            let ratio = mode.decay_per_s / (TAU * mode.frequency_hz);
+            assert!((gain.sine + gain.cosine * ratio).abs() <= 1e-12 * largest, "{gain:?}");
+        }
+    }
+}
+
+#[test]
+fn strike_and_point_exchanged_give_the_same_gains() {
+    let text = |strike: &str, heard: &str| {
+        format!(
+            "format = 1\nname = \"l\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [0.2, 0], [0.2, 0.1], [0.1, 0.1], [0.1, 0.3], [0, 0.3]], thickness_m = 0.004 }}\n\
+             material = {{ name = \"steel\" }}\nstrike = {{ path_m = [[{strike}]], positions = 1 }}\nsound = {{ readout = \"velocity\", at_m = [{heard}] }}\n"
+        )
+    };
+    let there = solve_text(&text("0.05, 0.25", "0.17, 0.03"), None, Wanted::Lowest(10), 0.005).unwrap();
+    let back = solve_text(&text("0.17, 0.03", "0.05, 0.25"), None, Wanted::Lowest(10), 0.005).unwrap();
+    for (a, b) in there.modes.iter().zip(&back.modes) {
+        assert!((a.gains[0].cosine - b.gains[0].cosine).abs() <= 1e-9 * a.gains[0].cosine.abs(), "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn stiffness_density_and_size_scale_all_frequencies() {
+    let text = |size: f64, youngs: f64, density: f64| {
+        format!(
+            "format = 1\nname = \"bar\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [{}, 0], [{}, {}], [0, {}]], thickness_m = {} }}\n\
+             material = {{ density_kg_per_m3 = {density}, youngs_modulus_pa = {youngs}, poisson = 0.3, loss_factor = 0 }}\n",
+            0.2 * size,
+            0.2 * size,
+            0.03 * size,
+            0.03 * size,
+            0.008 * size
+        )
+    };
+    let solve = |text: String| frequencies(&solve_text(&text, None, Wanted::Lowest(8), 0.002).unwrap());
+    let first = solve(text(1.0, 200e9, 8000.0));
+    for (other, factor) in [
+        (solve(text(1.0, 800e9, 8000.0)), 2.0),
+        (solve(text(1.0, 200e9, 2000.0)), 2.0),
+        (solve(text(2.0, 200e9, 8000.0)), 0.5),
+    ] {
+        for (first, other) in first.iter().zip(&other) {
+            assert!((other / first / factor - 1.0).abs() < 1e-9, "{first} {other} {factor}");
+        }
+    }
+}
+
+#[test]
+fn faults_of_a_shape_are_named() {
+    let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
+    let named = |text: &str, word: &str| {
+        let error = solve_text(text, None, Wanted::Lowest(4), 0.01).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}, and not {word}");
+    };
+    named(&plate("polygon_m = [[0, 0], [1, 1], [1, 0], [0, 0.7]]", 0.01, "free"), "touch");
+    named(&plate(polygon, 0.5, "free"), "solid");
+    named(&plate("polygon_m = [[0, 0], [100, 0], [100, 100], [0, 100]]", 0.5, "free"), "metres");
+    named(&plate(polygon, -0.5, "free"), "thickness_m");
+    named(&plate(polygon, 0.01, "glued"), "glued");
+    named(&(plate(polygon, 0.01, "free") + "strike = { path_m = [[2, 2]] }\n"), "strike.path_m");
+    named(&plate(polygon, 0.01, "free").replace("0.3", "0.5"), "poisson");
+    named(&plate(polygon, 0.01, "free").replace("8000", "0"), "density_kg_per_m3");
+    named(&plate(polygon, 0.01, "free").replace("kind", "color = 1, kind"), "color");
+}

@@ -1,0 +1,153 @@
+//! Outlines: areas, checks and drawings.
+
+use shape::outline::{Outline, OutlineError, Point, Side};
+use std::f64::consts::PI;
+
+const SQUARE: [Point; 4] = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]];
+
+fn hole(x: f64, y: f64, size: f64) -> Vec<Point> {
+    vec![[x, y], [x + size, y], [x + size, y + size], [x, y + size]]
+}
+
+fn svg(inner: &str) -> String {
+    format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="200" height="200">{inner}</svg>"#)
+}
+
+fn drawn(inner: &str) -> Result<Outline, OutlineError> {
+    Outline::from_svg(&svg(inner), 0.001)
+}
+
+#[test]
+fn a_polygon_of_either_direction_is_the_same_body() {
+    let mut turned = SQUARE.to_vec();
+    turned.reverse();
+    for points in [SQUARE.to_vec(), turned] {
+        let outline = Outline::polygon(&points, &[hole(0.03, 0.04, 0.02)]).unwrap();
+        assert!((outline.area() - (0.01 - 0.0004)).abs() < 1e-15);
+        assert_eq!(outline.bounds(), Some([[0.0, 0.0], [0.1, 0.1]]));
+        assert!(outline.contains([0.01, 0.01]));
+        assert!(!outline.contains([0.04, 0.05]), "in the hole");
+        assert!(!outline.contains([0.11, 0.05]));
+        assert!(!outline.is_curved());
+        let sides = outline.sides();
+        assert_eq!(sides.len(), 8);
+        assert_eq!(sides[3].to, sides[0].from);
+        assert_eq!(sides[4].ring, 1);
+    }
+}
+
+#[test]
+fn repeated_closing_points_are_dropped() {
+    let mut points = SQUARE.to_vec();
+    points.extend([SQUARE[0], SQUARE[0]]);
+    assert_eq!(Outline::polygon(&points, &[]).unwrap().rings[0].len(), 4);
+}
+
+#[test]
+fn polygons_that_are_no_body_are_named() {
+    let polygon = |outer: &[Point], holes: &[Vec<Point>]| Outline::polygon(outer, holes).unwrap_err();
+    assert_eq!(polygon(&[], &[]), OutlineError::Empty);
+    let few = polygon(&[[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]], &[]);
+    assert_eq!(few, OutlineError::TooFewPoints { ring: 0, points: 2 });
+    assert!(matches!(
+        polygon(&[[0.0, 0.0], [f64::NAN, 0.0], [1.0, 1.0]], &[]),
+        OutlineError::NotFinite { side: 1, .. }
+    ));
+    let flat = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]];
+    assert!(matches!(polygon(&flat, &[]), OutlineError::NoArea { ring: 0, .. }));
+    let bow = [[0.0, 0.0], [0.3, 0.2], [0.3, 0.0], [0.0, 0.1]];
+    let found = polygon(&bow, &[]);
+    assert!(matches!(found, OutlineError::Crosses { ring: 0, .. }), "{found}");
+    let spike = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.1, 0.05], [0.0, 0.05]];
+    assert!(matches!(polygon(&spike, &[]), OutlineError::Crosses { .. }));
+    let touch = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.05, 0.0], [0.0, 0.1]];
+    assert!(matches!(polygon(&touch, &[]), OutlineError::Crosses { .. }));
+    let outside = polygon(&SQUARE, &[hole(0.2, 0.2, 0.02)]);
+    assert!(matches!(outside, OutlineError::HoleOutside { ring: 1, .. }));
+    let over = polygon(&SQUARE, &[hole(0.09, 0.02, 0.02)]);
+    assert!(matches!(over, OutlineError::HoleTouches { ring: 1, other: 0, .. }));
+    let on = polygon(&SQUARE, &[hole(0.08, 0.02, 0.02)]);
+    assert!(matches!(on, OutlineError::HoleTouches { ring: 1, other: 0, .. }));
+    let pair = polygon(&SQUARE, &[hole(0.02, 0.02, 0.02), hole(0.04, 0.03, 0.02)]);
+    assert!(matches!(pair, OutlineError::HoleTouches { ring: 2, other: 1, .. }));
+    let nested = polygon(&SQUARE, &[hole(0.02, 0.02, 0.06), hole(0.04, 0.04, 0.02)]);
+    assert!(matches!(nested, OutlineError::HoleInHole { ring: 2, other: 1, .. }));
+}
+
+#[test]
+fn an_outline_of_another_origin_must_run_the_right_way() {
+    let ring: Vec<Side> = SQUARE.iter().rev().map(|from| Side { from: *from, curve: None }).collect();
+    assert_eq!(Outline { rings: vec![ring] }.check(), Err(OutlineError::WrongWay { ring: 0 }));
+    assert_eq!(Outline { rings: vec![] }.check(), Err(OutlineError::Empty));
+}
+
+#[test]
+fn messages_say_what_where_and_what_to_do() {
+    let error = Outline::polygon(&SQUARE, &[hole(0.09, 0.02, 0.02)]).unwrap_err().to_string();
+    assert!(
+        error.contains("ring 1") && error.contains("(0.100000, 0.040000) m") && error.contains("leave material"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_drawn_circle_is_four_curves() {
+    let disc = drawn(r#"<circle cx="60" cy="70" r="50"/>"#).unwrap();
+    assert_eq!(disc.rings[0].len(), 4);
+    assert!(disc.is_curved());
+    assert!((disc.area() / (PI * 0.0025) - 1.0).abs() < 1e-3);
+    let [low, high] = disc.bounds().unwrap();
+    let expected = [0.01, -0.12, 0.11, -0.02];
+    let found = [low[0], low[1], high[0], high[1]];
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+    for (far, inside) in [(0.0499, true), (0.0501, false)] {
+        for k in 0..16 {
+            let (sine, cosine) = (f64::from(k) * PI / 8.0).sin_cos();
+            assert_eq!(disc.contains([0.06 + far * cosine, -0.07 + far * sine]), inside);
+        }
+    }
+}
+
+#[test]
+fn shapes_inside_the_largest_one_are_holes() {
+    let plate = drawn(r#"<circle cx="30" cy="30" r="5"/><rect x="10" y="10" width="100" height="50"/>"#).unwrap();
+    assert_eq!(plate.rings.len(), 2);
+    assert_eq!(plate.rings[0].len(), 4);
+    assert!((plate.area() - (0.005 - PI * 25e-6)).abs() < 1e-7);
+    let ring = drawn(r#"<path d="M10 10H90V90H10Z M30 30H60V60H30Z"/>"#).unwrap();
+    assert!((ring.area() - (0.0064 - 0.0009)).abs() < 1e-8);
+}
+
+#[test]
+fn the_y_axis_of_a_drawing_is_turned_up() {
+    let flag = drawn(r#"<path d="M0 0 L20 0 L0 10 Z"/>"#).unwrap();
+    assert!(flag.contains([0.002, -0.001]) && !flag.contains([0.018, -0.009]));
+}
+
+#[test]
+fn transforms_and_view_boxes_are_applied() {
+    let plate = drawn(r#"<g transform="scale(2) translate(5 5)"><rect width="10" height="20"/></g>"#).unwrap();
+    assert!((plate.area() - 0.0008).abs() < 1e-9);
+    let text = r#"<svg xmlns="http://www.w3.org/2000/svg" width="210mm" height="297mm" viewBox="0 0 210 297">
+        <rect x="10" y="10" width="100" height="200"/></svg>"#;
+    assert!((Outline::from_svg(text, 0.001).unwrap().area() - 0.02).abs() < 1e-7);
+}
+
+#[test]
+fn quadratic_curves_keep_their_area() {
+    let lens = drawn(r#"<path d="M0 0 Q30 60 60 0 Z"/>"#).unwrap();
+    assert!((lens.area() - 2.0 / 3.0 * 0.06 * 0.03).abs() < 1e-9);
+}
+
+#[test]
+fn drawings_that_are_no_body_are_named() {
+    assert!(matches!(drawn(r#"<path d="M0 0 L20 0 L0 10"/>"#), Err(OutlineError::OpenPath { path: 0, .. })));
+    assert_eq!(drawn(""), Err(OutlineError::NoPath));
+    assert_eq!(drawn(r#"<rect width="9" height="9" visibility="hidden"/>"#), Err(OutlineError::NoPath));
+    assert!(matches!(Outline::from_svg("no drawing", 0.001), Err(OutlineError::Svg { .. })));
+    assert!(matches!(Outline::from_svg(&svg(""), 0.0), Err(OutlineError::BadUnit { .. })));
+    let two = r#"<rect width="9" height="9"/><rect x="20" width="5" height="5"/>"#;
+    assert!(matches!(drawn(two), Err(OutlineError::TwoPieces { .. })));
+    let over = r#"<rect width="9" height="9"/><rect x="5" y="3" width="6" height="5"/>"#;
+    assert!(matches!(drawn(over), Err(OutlineError::HoleTouches { .. })));
+}
