@@ -107,8 +107,7 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
 fn outline(input: &Path, file: &ShapeFile) -> Result<Outline, ShapeError> {
     let in_file = |error| ShapeError::Solve { path: input.to_owned(), error: solve::SolveError::Outline(error) };
     let Some(name) = &file.shape.outline else {
-        let polygon = file.shape.polygon_m.as_deref().unwrap_or(&[]);
-        return Outline::polygon(polygon, &file.shape.holes_m).map_err(in_file);
+        return Outline::polygon(file.corners_m().unwrap_or(&[]), &file.shape.holes_m).map_err(in_file);
     };
     let path = input.parent().unwrap_or(Path::new("")).join(name);
     if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {

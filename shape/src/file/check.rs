@@ -17,9 +17,17 @@ impl ShapeFile {
 
     fn check_shape(&self) -> Result<(), FileError> {
         let shape = &self.shape;
-        match (&shape.polygon_m, &shape.outline) {
+        let is_round = shape.kind == Kind::Revolve;
+        if is_round && shape.polygon_m.is_some() || !is_round && (shape.profile_m.is_some() || shape.split.is_some()) {
+            return Err(FileError::Keys("a body of revolution has profile_m and split, any other one polygon_m"));
+        }
+        if let Some(value) = shape.split.filter(|split| !(0.0..0.1).contains(split)) {
+            return Err(FileError::Range { key: "shape.split", value, range: "0 or above, and below 0.1" });
+        }
+        match (self.corners_m(), &shape.outline) {
+            (None, None) if is_round => return Err(missing("shape.profile_m", "the profile as [radius, height]")),
             (None, None) => return Err(missing("shape.polygon_m", "or outline, an SVG file")),
-            (Some(_), Some(_)) => return Err(FileError::Keys("shape.polygon_m and shape.outline exclude each other")),
+            (Some(_), Some(_)) => return Err(FileError::Keys("give corners or shape.outline, not both")),
             (None, Some(_)) if shape.unit_m.is_none() => {
                 return Err(missing("shape.unit_m", "metres of a unit of the outline's file"));
             }
@@ -36,7 +44,7 @@ impl ShapeFile {
             if shape.density_kg_per_m2.is_none() {
                 return Err(missing("shape.density_kg_per_m2", "the mass of the membrane per area"));
             }
-        } else if shape.thickness_m.is_none() {
+        } else if shape.thickness_m.is_none() && !is_round {
             return Err(missing("shape.thickness_m", "the thickness of the plate, or the width of the sheet"));
         }
         if self.support.edge.is_some() && self.support.edges.is_some() {
@@ -105,6 +113,7 @@ impl ShapeFile {
         }
         let places = self.sound.at_m.as_ref().map(Vec::len);
         match (self.sound.readout, places) {
+            (Readout::Velocity, Some(3)) if self.shape.kind == Kind::Revolve => Ok(()),
             (Readout::Velocity, Some(2)) | (Readout::Pressure, Some(3)) | (Readout::Even, None) => Ok(()),
             (Readout::Velocity, _) => Err(FileError::Keys("sound.at_m: the velocity is that of a point [x, y]")),
             (Readout::Pressure, _) => Err(FileError::Keys("sound.at_m: the pressure is that at a point [x, y, z]")),

@@ -44,6 +44,8 @@ pub enum Kind {
     Sheet,
     /// Skin under tension.
     Membrane,
+    /// Body of revolution: a bell, a cymbal, a glass.
+    Revolve,
 }
 
 /// State of a sheet across its plane.
@@ -65,6 +67,10 @@ pub struct Shape {
     pub kind: Kind,
     /// Corners of the outline, metres.
     pub polygon_m: Option<Vec<[f64; 2]>>,
+    /// Corners of the profile of a body of revolution: radius and height, metres.
+    pub profile_m: Option<Vec<[f64; 2]>>,
+    /// Distance of the frequencies of a pair of a body of revolution, as a share of them.
+    pub split: Option<f64>,
     /// SVG file with the outline, beside the shape file.
     pub outline: Option<PathBuf>,
     /// Metres of a unit of the SVG file.
@@ -137,13 +143,19 @@ pub struct Sound {
     /// Readout.
     #[serde(default)]
     pub readout: Readout,
-    /// Place, metres: two coordinates on the body, three before it for the pressure.
+    /// Place, metres: two coordinates on the body, three before it for the pressure; on a body of
+    /// revolution radius and height, and the angle from the strike in degrees.
     pub at_m: Option<Vec<f64>>,
     /// Direction of the velocity in the plane of a sheet; normal to its edge if missing.
     pub direction: Option<[f64; 2]>,
 }
 
 impl ShapeFile {
+    /// Corners of the outline, or of the profile of a body of revolution.
+    pub fn corners_m(&self) -> Option<&[[f64; 2]]> {
+        if self.shape.kind == Kind::Revolve { self.shape.profile_m.as_deref() } else { self.shape.polygon_m.as_deref() }
+    }
+
     /// Reads a shape file's text and checks its numbers.
     ///
     /// # Errors

@@ -2,11 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::places::pieces;
 use super::{SolveError, Wanted};
-use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Sheet, Support};
+use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
 use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
 use crate::mesh::{Mesh, Sizing};
-use crate::outline::Outline;
+use crate::outline::{FlatSide, Outline};
 
 /// Extents of bodies, metres: others are units that were forgotten.
 const EXTENT_M: [f64; 2] = [1e-3, 20.0];
@@ -27,6 +28,8 @@ pub struct Body {
     pub(super) thickness_m: f64,
     /// Tension, N/m, and mass per area, kg/m², of a membrane.
     pub(super) skin: [f64; 2],
+    /// Distance of the frequencies of a pair, as a share of them.
+    pub(super) split: f64,
 }
 
 impl Body {
@@ -61,24 +64,43 @@ impl Body {
             Edge::Hinged => Support::Hinged,
             Edge::Clamped => Support::Clamped,
         };
+        let mut supports: Vec<Support> = edges.iter().map(support).collect();
+        if kind == Kind::Revolve {
+            // The axis is no edge of the body.
+            let on_axis = |side: &FlatSide| side.from[0] == 0.0 && side.to[0] == 0.0;
+            let sides = outline.sides();
+            supports
+                .iter_mut()
+                .zip(&sides)
+                .filter(|(_, side)| on_axis(side))
+                .for_each(|(held, _)| *held = Support::Free);
+        }
         Ok(Self {
             kind,
             outline: outline.clone(),
-            supports: edges.iter().map(support).collect(),
+            supports,
             material: material(file)?,
             plane: match file.shape.plane {
                 Plane::Stress => PlaneState::Stress,
                 Plane::Strain => PlaneState::Strain,
             },
             thickness_m,
+            split: file.shape.split.unwrap_or(0.0),
             skin: [file.shape.tension_n_per_m.unwrap_or(0.0), file.shape.density_kg_per_m2.unwrap_or(0.0)],
         })
     }
 
     /// Mass, kg.
-    pub fn mass_kg(&self) -> f64 {
-        let of_area = if self.kind == Kind::Membrane { self.skin[1] } else { self.material.density * self.thickness_m };
-        self.outline.area() * of_area
+    pub(super) fn mass_kg(&self, discrete: &Discrete) -> f64 {
+        let area = self.outline.area();
+        match self.kind {
+            Kind::Membrane => area * self.skin[1],
+            Kind::Plate | Kind::Sheet => area * self.material.density * self.thickness_m,
+            Kind::Revolve => {
+                let rings = pieces(discrete, &[]).into_iter().map(|(at, area, _)| TAU * at[0] * area);
+                self.material.density * rings.sum::<f64>()
+            }
+        }
     }
 
     /// Wave number at a frequency, 1/m, of the slowest wave.
@@ -91,7 +113,7 @@ impl Body {
                 (omega * omega * self.material.density * self.thickness_m / bending).powf(0.25)
             }
             // The lowest modes of a slender sheet bend: their waves are about this short.
-            Kind::Sheet => omega * (self.material.density / shear).sqrt(),
+            Kind::Sheet | Kind::Revolve => omega * (self.material.density / shear).sqrt(),
         }
     }
 
@@ -120,22 +142,29 @@ impl Body {
         PLATE_ERROR * (self.wave_number(TAU * frequency_hz) * self.thickness_m).powi(2)
     }
 
-    /// Mesh and matrices with edges of at most a length.
-    pub(super) fn discrete(&self, size_m: f64) -> Result<Discrete, SolveError> {
+    /// True for a body of revolution.
+    pub(super) fn is_round(&self) -> bool {
+        self.kind == Kind::Revolve
+    }
+
+    /// Mesh with edges of at most a length.
+    pub(super) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
         let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
         let sizing = Sizing { size_m, layer_m, layered: layered.collect() };
-        self.elements(&Mesh::over(&self.outline, &sizing)?)
+        Ok(Mesh::over(&self.outline, &sizing)?)
     }
 
-    fn elements(&self, mesh: &Mesh) -> Result<Discrete, SolveError> {
+    /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.
+    pub(super) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
         let (material, thickness) = (self.material, self.thickness_m);
         let [tension, density] = self.skin;
         Ok(match self.kind {
             Kind::Plate => Plate { material, thickness }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Revolve => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
         })
     }
 }

@@ -66,7 +66,9 @@ pub enum SolveError {
         y: f64,
     },
     /// Readout that the kind of body does not have.
-    #[error("sound.readout = \"pressure\" is that of a plate or a membrane in a baffle; take velocity for a sheet")]
+    #[error(
+        "sound.readout = \"pressure\" is that of a plate or a membrane in a baffle; take velocity for other bodies"
+    )]
     NoPressure,
     /// Nothing that vibrates up to the highest frequency.
     #[error("no mode lies up to the highest frequency; ask for --modes N")]

@@ -2,20 +2,21 @@
 
 mod body;
 mod error;
+mod parts;
 mod places;
 
 use std::f64::consts::TAU;
 
 use crate::damping::Damping;
-use crate::eigen::{self, Modes};
-use crate::element::Discrete;
 use crate::file::ShapeFile;
 use crate::gain::Gain;
 use crate::outline::Outline;
 
 pub use body::Body;
 pub use error::SolveError;
+use parts::{Part, Place};
 pub use places::Places;
+use places::Round;
 
 /// Modes to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +69,8 @@ const MOST_MESHES: usize = 10;
 const FINER: f64 = 0.7;
 /// Least growth of the number of unknowns from a mesh to the next one.
 const LEAST_GROWTH: f64 = 1.3;
+/// Least number of unknowns of a mesh for each mode that is wanted.
+const LEAST_UNKNOWNS: usize = 6;
 /// Largest number of unknowns: their factors take some 2 GB.
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
@@ -93,31 +96,34 @@ pub fn solve(
         return Err(SolveError::Error(error));
     }
     let body = Body::of(file, outline)?;
-    let places = Places::of(file, outline)?;
+    let strikes = Places::of(file, outline)?;
     let damping = Damping::of(&file.material, measured);
     let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
     let (mut sizes_m, mut frequencies_hz) = (Vec::new(), Vec::<Vec<f64>>::new());
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
-    let mut unknowns_before = 0;
-    for mesh in 0..MOST_MESHES {
-        tell(100 * mesh / MOST_MESHES);
-        let discrete = body.discrete(size_m)?;
-        let unknowns = discrete.problem.size;
+    let mut unknowns_before = 0.0;
+    for number in 0..MOST_MESHES {
+        tell(100 * number / MOST_MESHES);
+        let mesh = body.mesh(size_m)?;
+        let first = body.elements(&mesh, 0)?;
+        let unknowns = first.problem.size;
         if unknowns > MOST_UNKNOWNS {
             return Err(SolveError::TooLarge { unknowns, error });
         }
-        // A curved outline may have the same mesh for both sizes.
-        if (unknowns as f64) < LEAST_GROWTH * f64::from(unknowns_before) {
+        // A curved outline may have one mesh for both sizes, and a coarse one too few unknowns.
+        let is_coarse = matches!(wanted, Wanted::Lowest(count) if unknowns < LEAST_UNKNOWNS * count);
+        if is_coarse || (unknowns as f64) < LEAST_GROWTH * unknowns_before {
             size_m *= FINER;
             continue;
         }
-        unknowns_before = unknowns as u32;
-        let found = find(&discrete, wanted)?;
-        let elastic: Vec<f64> =
-            found.values.iter().skip(discrete.rigid).map(|value| value.max(0.0).sqrt() / TAU).collect();
-        if elastic.is_empty() {
-            return Err(SolveError::NoModes);
+        unknowns_before = unknowns as f64;
+        let parts = parts::find(&body, &mesh, first, wanted)?;
+        let mut places = parts::sorted(&parts);
+        if let Wanted::Lowest(count) = wanted {
+            places.truncate(count);
         }
+        let elastic: Vec<f64> = places.iter().map(|place| place.value.max(0.0).sqrt() / TAU).collect();
+        let Some(last) = places.last() else { return Err(SolveError::NoModes) };
         let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         sizes_m.push(size_m);
         frequencies_hz.push(elastic.clone());
@@ -125,18 +131,22 @@ pub fn solve(
         let model = elastic.iter().map(|&frequency| body.model_error(frequency)).fold(0.0, f64::max);
         if worst <= error.max(1.05 * model) {
             tell(95);
-            let modes = modes(&discrete, &found, &places, &damping, &estimates)?;
+            let (counted, limit) = parts::count(&parts, last.value)?;
+            let mass_kg = parts.first().map_or(0.0, |part| body.mass_kg(&part.discrete));
+            let mode = |(place, &error)| body.mode(&parts, place, &strikes, &damping, error);
+            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, _>>()?;
+            modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
             tell(100);
             return Ok(Solved {
                 modes,
-                rigid: discrete.rigid,
-                counted: found.counted,
-                counted_to_hz: found.count_limit.max(0.0).sqrt() / TAU,
+                rigid: parts::rigid(&parts),
+                counted,
+                counted_to_hz: limit.max(0.0).sqrt() / TAU,
                 unknowns,
-                triangles: discrete.nodes.triangles.len(),
+                triangles: mesh.triangles.len(),
                 sizes_m,
                 frequencies_hz,
-                mass_kg: body.mass_kg(),
+                mass_kg,
             });
         }
         before = Some((elastic, estimates));
@@ -144,15 +154,6 @@ pub fn solve(
     }
     let worst = before.map_or(1.0, |(_, estimates)| estimates.iter().copied().fold(0.0, f64::max));
     Err(SolveError::NotConverged { error, reached: worst })
-}
-
-/// Finds the modes that are wanted, and those of rigid motion.
-fn find(discrete: &Discrete, wanted: Wanted) -> Result<Modes, SolveError> {
-    let wanted = match wanted {
-        Wanted::Lowest(count) => eigen::Wanted::Lowest(count + discrete.rigid),
-        Wanted::Below(frequency_hz) => eigen::Wanted::Below((TAU * frequency_hz).powi(2)),
-    };
-    Ok(eigen::modes(&discrete.problem, wanted, &mut |_, _| {})?)
 }
 
 /// Estimates the error of each frequency from the mesh before, and of the model.
@@ -174,25 +175,29 @@ fn estimates(body: &Body, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec
     frequencies_hz.iter().enumerate().map(of).collect()
 }
 
-/// Modes with their decays and gains.
-fn modes(
-    discrete: &Discrete,
-    found: &Modes,
-    places: &Places,
-    damping: &Damping,
-    estimates: &[f64],
-) -> Result<Vec<Mode>, SolveError> {
-    let elastic = found.values.iter().zip(&found.vectors).skip(discrete.rigid);
-    let of = |((value, vector), &error): ((&f64, &Vec<f64>), &f64)| {
-        let omega = value.max(0.0).sqrt();
+impl Body {
+    /// Mode with its decay and gains.
+    fn mode(
+        &self,
+        parts: &[Part],
+        place: &Place,
+        strikes: &Places,
+        damping: &Damping,
+        error: f64,
+    ) -> Result<Mode, SolveError> {
+        let part = parts.get(place.part).ok_or(SolveError::NoModes)?;
+        let vector = part.found.vectors.get(place.index).ok_or(SolveError::NoModes)?;
+        // An imperfect body has the modes of a pair at two frequencies.
+        let apart = if part.waves == 0 { 0.0 } else { self.split / 2.0 };
+        let omega = place.value.max(0.0).sqrt() * if place.is_second { 1.0 + apart } else { 1.0 - apart };
         let decay_per_s = damping.decay_per_s(omega / TAU);
         if decay_per_s >= omega {
             return Err(SolveError::Overdamped { frequency_hz: omega / TAU, decay_per_s });
         }
         // The body's frequency is the undamped one; a table has the damped one.
         let damped = (omega * omega - decay_per_s * decay_per_s).sqrt();
-        let gains = places.gains(discrete, vector, damped, decay_per_s)?;
+        let round = Round { waves: part.waves, is_second: place.is_second, is_split: self.split > 0.0 };
+        let gains = strikes.gains(&part.discrete, vector, round, damped, decay_per_s)?;
         Ok(Mode { frequency_hz: damped / TAU, error, decay_per_s, gains })
-    };
-    elastic.zip(estimates).map(of).collect()
+    }
 }

@@ -18,6 +18,26 @@ pub struct Places {
     /// Places of strikes, with their direction in the plane of a sheet.
     strikes: Vec<(Point, [f64; 2])>,
     heard: Heard,
+    /// Angle round the axis from the strike to what is heard.
+    heard_rad: f64,
+}
+
+/// Mode's waves round the axis of a body of revolution.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Round {
+    pub(super) waves: u32,
+    pub(super) is_second: bool,
+    /// True if an imperfection holds the waves in place: the strike lies between the two of a pair.
+    pub(super) is_split: bool,
+}
+
+impl Round {
+    /// Share of the mode's motion at an angle from the strike.
+    fn share(self, angle_rad: f64) -> f64 {
+        let between = if self.is_split && self.waves > 0 { std::f64::consts::FRAC_PI_4 } else { 0.0 };
+        let phase = f64::from(self.waves) * angle_rad + between;
+        if self.is_second { phase.sin() } else { phase.cos() }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -48,12 +68,20 @@ impl Places {
         };
         let strikes = along(&path, count).into_iter().map(|at| (at, direction(file.strike.direction, at))).collect();
         let heard = match (file.sound.readout, file.sound.at_m.as_deref()) {
-            (Readout::Velocity, Some(&[x, y])) => Heard::Velocity([x, y], direction(file.sound.direction, [x, y])),
-            (Readout::Pressure, Some(&[x, y, z])) if kind != Kind::Sheet => Heard::Pressure([x, y, z]),
+            (Readout::Velocity, Some(&([x, y] | [x, y, _]))) => {
+                Heard::Velocity([x, y], direction(file.sound.direction, [x, y]))
+            }
+            (Readout::Pressure, Some(&[x, y, z])) if matches!(kind, Kind::Plate | Kind::Membrane) => {
+                Heard::Pressure([x, y, z])
+            }
             (Readout::Pressure, _) => return Err(SolveError::NoPressure),
             _ => Heard::Even,
         };
-        Ok(Self { kind, strikes, heard })
+        let heard_rad = match (kind, file.sound.at_m.as_deref()) {
+            (Kind::Revolve, Some(&[_, _, degrees])) => degrees.to_radians(),
+            _ => 0.0,
+        };
+        Ok(Self { kind, strikes, heard, heard_rad })
     }
 
     /// Gains of a mode at all positions; ω in rad/s, d in 1/s.
@@ -61,21 +89,27 @@ impl Places {
         &self,
         discrete: &Discrete,
         vector: &[f64],
+        round: Round,
         omega: f64,
         decay_per_s: f64,
     ) -> Result<Vec<Gain>, SolveError> {
         let shape = |key: &'static str, at: Point, direction: [f64; 2]| {
             let value = discrete.value(vector, at).ok_or(SolveError::Outside { key, x: at[0], y: at[1] })?;
-            let is_sheet = self.kind == Kind::Sheet;
-            Ok::<f64, SolveError>(if is_sheet { value[0] * direction[0] + value[1] * direction[1] } else { value[0] })
+            Ok::<f64, SolveError>(match self.kind {
+                Kind::Sheet => value[0] * direction[0] + value[1] * direction[1],
+                Kind::Revolve => value[0] * direction[0] + value[2] * direction[1],
+                Kind::Plate | Kind::Membrane => value[0],
+            })
         };
-        let strikes = self.strikes.iter().map(|&(at, direction)| shape("strike.path_m", at, direction));
-        let strikes = strikes.collect::<Result<Vec<f64>, _>>()?;
+        let [struck, heard_round] = [0.0, self.heard_rad].map(|angle| round.share(angle));
+        let strike = |&(at, direction): &(Point, [f64; 2])| Ok(struck * shape("strike.path_m", at, direction)?);
+        let strikes = self.strikes.iter().map(strike);
+        let strikes = strikes.collect::<Result<Vec<f64>, SolveError>>()?;
         let gains = strikes.into_iter();
         Ok(match self.heard {
             Heard::Even => gains.map(gain::even).collect(),
             Heard::Velocity(at, direction) => {
-                let heard = shape("sound.at_m", at, direction)?;
+                let heard = heard_round * shape("sound.at_m", at, direction)?;
                 gains.map(|strike| gain::velocity(strike, heard, omega, decay_per_s)).collect()
             }
             Heard::Pressure(at_m) => {
@@ -92,7 +126,7 @@ impl Places {
 const DEGREE: usize = 8;
 
 /// Place, area and value of a mode at the points of a quadrature over the body.
-fn pieces(discrete: &Discrete, vector: &[f64]) -> Vec<(Point, f64, f64)> {
+pub(super) fn pieces(discrete: &Discrete, vector: &[f64]) -> Vec<(Point, f64, f64)> {
     let nodes = &discrete.nodes;
     let samples = nodes.functions.samples(DEGREE);
     let of_triangle = |numbers: &Vec<usize>| {
@@ -139,6 +173,9 @@ fn along(path: &[Point], count: usize) -> Vec<Point> {
 /// longest side.
 fn default_path(kind: Kind, outline: &Outline) -> Vec<Point> {
     let sides = outline.sides();
+    if kind == Kind::Revolve {
+        return to_the_rim(&sides);
+    }
     if kind == Kind::Sheet {
         let length = |side: &&FlatSide| distance(side.from, side.to);
         let longest = sides.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
@@ -164,6 +201,31 @@ fn default_path(kind: Kind, outline: &Outline) -> Vec<Point> {
         if outline.contains(at(half)) { inside = half } else { outside = half }
     }
     vec![middle, at(NEAR_RIM * inside)]
+}
+
+/// Way along a profile from the point nearest the axis to the rim, along the longer side without
+/// the axis.
+fn to_the_rim(sides: &[FlatSide]) -> Vec<Point> {
+    let outer: Vec<&FlatSide> = sides.iter().filter(|side| side.ring == 0).collect();
+    let radius = |side: &&FlatSide| side.from[0];
+    let count = outer.len();
+    let places = || outer.iter().enumerate();
+    let middle = places().min_by(|a, b| radius(a.1).total_cmp(&radius(b.1))).map_or(0, |place| place.0);
+    let rim = places().max_by(|a, b| radius(a.1).total_cmp(&radius(b.1))).map_or(0, |place| place.0);
+    let way = |from: usize, to: usize| {
+        let steps = (to + count - from) % count;
+        (0..=steps).filter_map(|step| outer.get((from + step) % count)).map(|side| side.from).collect::<Vec<Point>>()
+    };
+    let back = way(rim, middle).into_iter().rev().collect::<Vec<Point>>();
+    let forth = way(middle, rim);
+    let length = |way: &[Point]| way.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
+    let has_axis = |way: &[Point]| way.windows(2).any(|pair| pair[0][0] == 0.0 && pair[1][0] == 0.0);
+    let is_forth = match [has_axis(&forth), has_axis(&back)] {
+        [false, true] => true,
+        [true, false] => false,
+        _ => length(&forth) >= length(&back),
+    };
+    if is_forth { forth } else { back }
 }
 
 /// Point of a grid over the body that lies farthest from its rim.
