@@ -26,6 +26,9 @@ pub(crate) struct ShapeArguments {
     /// Largest error of a frequency: the mesh becomes finer until each mode's estimate is below
     #[arg(long, value_name = "E", default_value = "0.001")]
     pub(crate) error: f64,
+    /// Sound of a strike at each position, a second apart, as a WAV file
+    #[arg(long, value_name = "OUT.wav")]
+    pub(crate) render: Option<PathBuf>,
     /// Licence of the table
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) licence: String,

@@ -65,18 +65,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         let loaded = open(&table.display().to_string())?;
         let strikers = names(&loaded.kit.strikers);
         for object in &loaded.kit.objects {
-            kit.pads.push(kit::Pad {
-                name: object.name.clone(),
-                object: object.name.clone(),
-                strikers: strikers.clone(),
-                level_db: 0.0,
-                pan: 0.0,
-                striker_weight: 1.0,
-                choke_t60_s: 0.1,
-                midi_notes: notes.next().unwrap_or_default(),
-                note_off: kit::NoteOff::Nothing,
-                trigger: None,
-            });
+            kit.pads.push(pad(object, strikers.clone(), notes.next().unwrap_or_default()));
         }
         // A table's room is that of its recording. A kit has one room, so that of several tables
         // none is taken.
@@ -97,6 +86,33 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     let all = names(&kit.strikers);
     kit.pads.iter_mut().filter(|pad| pad.strikers.is_empty()).for_each(|pad| pad.strikers.clone_from(&all));
     Ok(kit)
+}
+
+/// Kit of one table, ready to be played: each object on a pad that peaks at -6 dBFS.
+pub(super) fn playable(table: kit::Kit, shown: &Path) -> Result<kit::Kit, CommandError> {
+    let strikers = names(&table.strikers);
+    let pads = table.objects.iter().map(|object| pad(object, strikers.clone(), vec![])).collect();
+    let mut kit = kit::Kit { pads, ..table };
+    set_reference_forces(&mut kit);
+    kit::binary::build(&kit)?;
+    set_levels(shown, &mut kit);
+    Ok(kit)
+}
+
+/// Pad of an object at a level of 0 dB.
+fn pad(object: &kit::Object, strikers: Vec<String>, midi_notes: Vec<u8>) -> kit::Pad {
+    kit::Pad {
+        name: object.name.clone(),
+        object: object.name.clone(),
+        strikers,
+        level_db: 0.0,
+        pan: 0.0,
+        striker_weight: 1.0,
+        choke_t60_s: 0.1,
+        midi_notes,
+        note_off: kit::NoteOff::Nothing,
+        trigger: None,
+    }
 }
 
 /// Names of the first strikers, as many as a pad may have.

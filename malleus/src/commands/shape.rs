@@ -72,6 +72,12 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
         return super::shape_benchmarks::run(arguments.error, arguments.json);
     };
     refuse_input(output, [input.as_path()])?;
+    if let Some(sound) = &arguments.render {
+        refuse_input(sound, [input.as_path()])?;
+        if sound == output {
+            return Err(CommandError::SameOutput { output: output.clone() });
+        }
+    }
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
@@ -85,7 +91,11 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
     let source = input.file_name().unwrap_or_default().to_string_lossy();
     let table = ::shape::table::of(&solved, &file.name, &format!("{source} (malleus shape)"), &arguments.licence);
+    ::kit::binary::build(&table)?;
     ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
+    if let Some(sound) = &arguments.render {
+        super::shape_sound::write(sound, output, table, solved.modes.first().map_or(1, |mode| mode.gains.len()))?;
+    }
     let report = report(input, output, &solved);
     if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
 }
@@ -153,10 +163,10 @@ fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeRepo
 
 fn as_text(shown: &ShapeReport<'_>) -> String {
     let mut text = format!(
-        "{}: {} modes of a body of {:.4} kg; {} unknowns in {} triangles; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
+        "{}: {} modes of a body of {:.3} g; {} unknowns in {} triangles; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
         shown.table.display(),
         shown.modes.len(),
-        shown.mass_kg,
+        1e3 * shown.mass_kg,
         shown.unknowns,
         shown.triangles,
         shown.counted,

@@ -1,5 +1,5 @@
-//! `malleus fit` and `malleus surface` as their user calls them: tables on any number of cores,
-//! dynamic filters, priors, many strikes, reports and surfaces.
+//! `malleus fit`, `malleus surface` and `malleus shape` as their user calls them: tables on any
+//! number of cores, dynamic filters, priors, many strikes, reports, surfaces and shapes.
 //! `cargo test -p malleus --test fits report::` runs one part.
 
 mod cores;
@@ -7,5 +7,6 @@ mod descent;
 mod dynamic_filter;
 mod prior;
 mod report;
+mod shape;
 mod strikes_report;
 mod surface;

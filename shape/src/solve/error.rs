@@ -73,6 +73,16 @@ pub enum SolveError {
     /// Nothing that vibrates up to the highest frequency.
     #[error("no mode lies up to the highest frequency; ask for --modes N")]
     NoModes,
+    /// Body that is too small to be heard.
+    #[error(
+        "the lowest mode lies at {lowest_hz:.0} Hz, and sound ends at {highest_hz:.0} Hz; lengths are in metres: is a unit forgotten?"
+    )]
+    Inaudible {
+        /// Lowest frequency.
+        lowest_hz: f64,
+        /// Highest frequency that is rendered.
+        highest_hz: f64,
+    },
     /// Mode that does not oscillate.
     #[error(
         "the mode at {frequency_hz} Hz decays with {decay_per_s} 1/s and does not oscillate; lower the damping or the number of modes"

@@ -75,6 +75,8 @@ const LEAST_UNKNOWNS: usize = 6;
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
+/// Half the highest sample rate: modes above it are not rendered.
+const HIGHEST_HZ: f64 = 48_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
 const FIRST_SIZE: f64 = 0.5;
 
@@ -124,6 +126,9 @@ pub fn solve(
         }
         let elastic: Vec<f64> = places.iter().map(|place| place.value.max(0.0).sqrt() / TAU).collect();
         let Some(last) = places.last() else { return Err(SolveError::NoModes) };
+        if let Some(&lowest_hz) = elastic.first().filter(|&&lowest| lowest >= HIGHEST_HZ) {
+            return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
+        }
         let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         sizes_m.push(size_m);
         frequencies_hz.push(elastic.clone());

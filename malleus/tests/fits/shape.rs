@@ -1,0 +1,100 @@
+//! `malleus shape` as its user calls it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// Bar of docs/shape.md.
+const BAR: &str = r#"
+format = 1
+name = "bar"
+[shape]
+kind = "plate"
+polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]
+thickness_m = 0.008
+[material]
+name = "steel"
+[strike]
+path_m = [[0.1, 0.015], [0.0, 0.015]]
+positions = 3
+[sound]
+readout = "velocity"
+at_m = [0.2, 0.0]
+"#;
+
+fn with_bar() -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    std::fs::write(folder.path().join("bar.toml"), BAR).expect("the folder is writable");
+    folder
+}
+
+fn shape(folder: &Path, words: &str) -> Output {
+    let program = Command::new(env!("CARGO_BIN_EXE_malleus"))
+        .current_dir(folder)
+        .arg("shape")
+        .args(words.split_whitespace())
+        .output();
+    program.expect("the program runs")
+}
+
+#[test]
+fn table_of_a_bar_has_the_modes_that_its_report_names_and_sounds_at_each_position() {
+    let folder = with_bar();
+    let done = shape(folder.path(), "bar.toml -o table.toml --modes 5 --error 0.002 --render bar.wav --json");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&done.stdout).expect("a report");
+    let text = std::fs::read_to_string(folder.path().join("table.toml")).expect("a table");
+    let table: toml::Table = text.parse().expect("TOML");
+    let modes = table["object"][0]["modes"].as_array().expect("modes");
+    assert_eq!(modes.len(), 5);
+    for (mode, told) in modes.iter().zip(report["modes"].as_array().expect("modes")) {
+        let [kept, told] = [mode["frequency_hz"].as_float(), told["frequency_hz"].as_f64()].map(Option::unwrap);
+        assert!((kept / told - 1.0).abs() < 1e-7, "{kept} {told}");
+    }
+    // Euler and Bernoulli's bar has 1038 Hz; shear and rotary inertia take half a percent.
+    let lowest = report["modes"][0]["frequency_hz"].as_f64().expect("a number");
+    assert!((lowest - 1032.5).abs() < 1.5, "{lowest}");
+    assert!((report["mass_kg"].as_f64().expect("a number") - 0.3768).abs() < 1e-9);
+    let mut sound = hound::WavReader::open(folder.path().join("bar.wav")).expect("a sound");
+    let samples: Vec<i32> = sound.samples::<i32>().map(Result::unwrap).collect();
+    assert_eq!(samples.len(), 2 * 3 * 48_000);
+    for strike in samples.chunks(2 * 48_000) {
+        let peak = strike.iter().map(|sample| sample.unsigned_abs()).max();
+        assert!(peak > Some(1 << 18), "a strike peaks at {peak:?}");
+    }
+}
+
+#[test]
+fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
+    let folder = with_bar();
+    let write = |name: &str, from: &str, to: &str| {
+        std::fs::write(folder.path().join(name), BAR.replace(from, to)).expect("the folder is writable");
+    };
+    write("unknown.toml", "kind", "knid");
+    write("thick.toml", "0.008", "0.02");
+    write("millimetres.toml", "[0.2, 0], [0.2, 0.03], [0, 0.03]", "[200, 0], [200, 30], [0, 30]");
+    write(
+        "drawn.toml",
+        "polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]",
+        "outline = \"o.svg\"\nunit_m = 0.001",
+    );
+    std::fs::write(folder.path().join("o.svg"), "<svg xmlns=\"http://www.w3.org/2000/svg\"/>").expect("a drawing");
+    for (words, reason) in [
+        ("absent.toml -o t.toml", "cannot be read"),
+        ("bar.toml -o bar.toml", "would be lost"),
+        ("bar.toml -o t.toml --modes 0", "--modes"),
+        ("bar.toml -o t.toml --max-hz 50", "--modes N"),
+        ("bar.toml -o t.toml --render t.toml", "one would be lost"),
+        ("unknown.toml -o t.toml", "line 5"),
+        ("thick.toml -o t.toml", "that is no plate"),
+        ("millimetres.toml -o t.toml", "lengths are in metres"),
+        ("drawn.toml -o t.toml", "o.svg"),
+    ] {
+        let done = shape(folder.path(), words);
+        let message = String::from_utf8_lossy(&done.stderr);
+        assert!(!done.status.success() && message.contains(reason), "{words}: {message}");
+        assert!(!message.contains("panicked"), "{words}: {message}");
+        assert!(!folder.path().join("t.toml").exists(), "{words} leaves a file");
+    }
+}
