@@ -206,7 +206,8 @@ fn a_rectangle_has_rows_of_the_layers_width_along_its_layered_sides() {
 #[test]
 fn a_disc_has_a_mesh_that_a_quarter_turn_keeps() {
     let disc = drawn(r#"<circle cx="0" cy="0" r="100"/>"#);
-    for sizing in [Sizing::even(0.02), Sizing::even(0.5), layered(0.02, 0.002, 4)] {
+    let sides = disc.sides().len();
+    for sizing in [Sizing::even(0.02), Sizing::even(0.5), layered(0.02, 0.002, sides)] {
         let mesh = checked(&disc, &sizing);
         assert!((mesh.area() / (PI * 0.01) - 1.0).abs() < 1e-3);
         assert!(maps_onto_itself(&mesh, |[x, y]| [-y, x]));
@@ -217,7 +218,8 @@ fn a_disc_has_a_mesh_that_a_quarter_turn_keeps() {
 #[test]
 fn a_disc_with_a_concentric_hole_has_a_mesh_that_a_quarter_turn_keeps() {
     let ring = drawn(r#"<circle cx="0" cy="0" r="100"/><circle cx="0" cy="0" r="20"/>"#);
-    for sizing in [Sizing::even(0.02), layered(0.02, 0.002, 8)] {
+    let sides = ring.sides().len();
+    for sizing in [Sizing::even(0.02), layered(0.02, 0.002, sides)] {
         let mesh = checked(&ring, &sizing);
         assert!((mesh.area() / (PI * 0.0096) - 1.0).abs() < 1e-3);
         assert!(maps_onto_itself(&mesh, |[x, y]| [-y, x]));
