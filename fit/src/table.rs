@@ -1,7 +1,7 @@
 //! Tables of fits: the kit text that people keep and boards play.
 
 use dsp_core::table::range::REFERENCE_FORCE;
-use kit::{Acceleration, Gain, Kit, Mode, Object, Pulse, Striker};
+use kit::{Acceleration, Gain, Kit, Mode, Object, Pulse, Striker, item_name};
 
 use crate::room::Room;
 use crate::strike::Fit;
@@ -122,18 +122,6 @@ const MOST_DECAY_PER_S: f32 = 20_000.0;
 
 /// Maximum number of positions that the format holds.
 const MOST_POSITIONS: usize = 64;
-/// Maximum length of an item's name.
-const NAME_LENGTH: usize = 24;
-
-/// A name that the format accepts: printable ASCII without comma and quote.
-///
-/// It has at most 24 characters, `ending` included.
-pub fn item_name(wanted: &str, ending: &str) -> String {
-    let plain = |c: char| if (' '..='~').contains(&c) && c != ',' && c != '"' { c } else { '-' };
-    let name: String = wanted.trim().chars().map(plain).take(NAME_LENGTH - ending.len()).collect();
-    let name = name.trim();
-    format!("{}{ending}", if name.is_empty() { "object" } else { name })
-}
 
 #[cfg(test)]
 mod tests {

@@ -29,6 +29,7 @@ mod content;
 mod error;
 mod filters;
 mod load;
+mod name;
 mod nearest;
 mod open;
 mod shipped;
@@ -41,6 +42,7 @@ pub use content::{
 pub use error::{Fault, KitError, Location};
 pub use filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 pub use load::{Loaded, load};
+pub use name::item_name;
 pub use open::open;
 pub use shipped::{shipped, shipped_names};
 pub use statistics::{BankStatistics, Statistics};

@@ -321,13 +321,15 @@ fn line(order: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
 
 #[test]
 #[ignore = "measures time: cargo test --release -p shape --test eigen -- --ignored --nocapture"]
-fn time_of_sixty_four_modes_of_seven_thousand_unknowns_is_printed() {
+fn sixty_four_modes_of_seven_thousand_unknowns_take_a_second_of_one_core() {
     let problem = stencil(17, 5);
     println!("{} unknowns, {} entries", problem.size, problem.rows.len());
     for wanted in [16, 64, 100] {
-        let begin = std::time::Instant::now();
+        let begin = cpu_time::ProcessTime::now();
         let found = find(&problem, Wanted::Lowest(wanted));
-        println!("{wanted} modes: {:?}, {} .. {:?}", begin.elapsed(), found.values[1], found.values.last());
+        let took = begin.elapsed();
+        println!("{wanted} modes: {took:?}, {} .. {:?}", found.values[1], found.values.last());
+        assert!(wanted > 64 || took.as_secs_f64() <= 1.0, "{wanted} modes take {took:?}");
     }
 }
 

@@ -91,7 +91,7 @@ fn messages_say_what_where_and_what_to_do() {
 }
 
 #[test]
-fn a_drawn_circle_is_sixteen_curves_that_stray_by_a_ten_millionth() {
+fn a_drawn_circle_is_sixteen_curves_and_its_area_right_to_a_millionth() {
     let disc = drawn(r#"<circle cx="60" cy="70" r="50"/>"#).unwrap();
     assert_eq!(disc.rings[0].len(), 16);
     assert!(disc.is_curved());

@@ -379,9 +379,9 @@ fn cycles_of_forces(rest: &Counts) -> u32 {
 const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
-/// the waits of flash and the interrupts of the boards: with them the busiest half ends at 83 % of
-/// its time on the F407 board, at 90 % on the BlackPill (`cargo test -p virtual-board --test boards
-/// load`).
+/// the waits of flash and the interrupts of the boards. The dearest half takes 83 % of the time to
+/// its deadline on the F407 board and 90 % on the BlackPill
+/// (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
 /// Maximum number of modes a tick whose choke is paid from beyond the budget: those of one object's

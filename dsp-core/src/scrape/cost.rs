@@ -1,6 +1,6 @@
 //! Cost of a contact, for the budget.
 //!
-//! Nominal cycles, without the waits of flash, and with the work that an engine does for a contact.
+//! Cycles are nominal: the waits of flash are left out, the engine's own work for a contact is in.
 //! The constants were fitted to 2 000 ticks on the virtual core, with seven contacts at 0 to
 //! 2.5 m/s. The mean over a contact is right to 1 %, a single tick to 2.5 % rms. Predicted and
 //! modelled cycles of four scenes with scraping are printed by

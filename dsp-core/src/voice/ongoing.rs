@@ -10,8 +10,8 @@ pub(super) const fn bit_of(striker: u8) -> u8 {
     1 << (striker & 7)
 }
 
-/// True if contacts by a set of strikers drive a bank: bank 0 is the object's, which all drive, and
-/// the others are those of the strikers.
+/// True if strikers, a bit each, drive the bank of an index. Bank 0 is the object's, and any
+/// striker drives it; bank n + 1 is that of striker n.
 pub(super) const fn is_driven(index: usize, strikers: u8) -> bool {
     index == 0 || strikers >> ((index - 1) & 7) & 1 == 1
 }

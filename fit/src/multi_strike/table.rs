@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use kit::{Gain, Kit, Striker};
+use kit::{Gain, Kit, Striker, item_name};
 
 use super::estimate::{Estimate, ModeEstimate};
 use crate::render::playable;
 use crate::segment::Hit;
 use crate::strike::{Fit, Mode, Strike};
-use crate::table::{self, Provenance, item_name};
+use crate::table::{self, Provenance};
 
 /// Exponent of the peak in `m = m1 v^a` that velocities are read off by (Hertz).
 const PEAK_EXPONENT: f64 = 1.2;

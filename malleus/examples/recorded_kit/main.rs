@@ -288,7 +288,7 @@ fn louder_channel(pan: f32) -> f64 {
 }
 
 fn striker_name(instrument: &Instrument) -> String {
-    fit::table::item_name(instrument.name, " strike")
+    kit::item_name(instrument.name, " strike")
 }
 
 /// Text of the kit's own file, which includes the tables and has the pads.

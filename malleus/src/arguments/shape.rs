@@ -20,7 +20,7 @@ pub(crate) struct ShapeArguments {
     /// All modes up to a frequency in Hz
     #[arg(long, value_name = "F", conflicts_with = "budget")]
     pub(crate) max_hz: Option<f64>,
-    /// As many modes as a number of Cortex-M4 cycles a sample plays
+    /// Budget in Cortex-M4 cycles a sample: the lowest modes that it can play, 9.42 cycles each
     #[arg(long, value_name = "CYCLES")]
     pub(crate) budget: Option<f64>,
     /// Largest error of a frequency: the mesh becomes finer until each mode's estimate is below

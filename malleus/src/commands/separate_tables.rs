@@ -96,7 +96,7 @@ pub(super) fn of_part(kind: Kind, modes: &[PartMode], contact_time_s: f64, prove
     for striker in &mut table.strikers {
         striker.restitution = 1.0;
         if kind == Kind::Striker {
-            striker.name = table::item_name(&provenance.name, "");
+            striker.name = ::kit::item_name(&provenance.name, "");
             striker.modes = std::mem::take(&mut table.objects[0].modes);
         }
     }

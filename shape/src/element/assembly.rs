@@ -234,7 +234,7 @@ fn rigid<B: Body>(body: &B, nodes: &Nodes, ties: &Ties) -> usize {
         let own: Vec<_> = motions.iter().map(|motion| to_axes(*motion, ties.axes[node], B::TURNED)).collect();
         for component in (0..B::COMPONENTS).filter(|component| ties.fixed[node][*component]) {
             let mut row: Vec<f64> = own.iter().map(|motion| motion[component]).collect();
-            // What remains of the row beside what is held already, by Gram and Schmidt, twice.
+            // Gram and Schmidt's step, twice: the row less its parts along the rows that are held.
             for before in held.iter().chain(&held) {
                 let part: f64 = row.iter().zip(before).map(|(a, b)| a * b).sum();
                 row.iter_mut().zip(before).for_each(|(entry, other)| *entry -= part * other);

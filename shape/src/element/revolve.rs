@@ -41,7 +41,7 @@ impl Revolve {
             ties.fixed[node] = match self.waves {
                 0 => [true, true, false],
                 1 => {
-                    // What is left is a motion across the axis: u_r = -u_θ.
+                    // A point on the axis can only move across it: u_r = -u_θ.
                     ties.axes[node] = [FRAC_1_SQRT_2, -FRAC_1_SQRT_2];
                     [false, true, true]
                 }

@@ -13,7 +13,9 @@ use crate::outline::{FlatSide, Outline};
 const EXTENT_M: [f64; 2] = [1e-3, 20.0];
 /// Order of the elements.
 const ORDER: usize = 4;
-/// Model error of a plate at a wave number k and a thickness h, as a share of (k h)².
+/// Model error of a plate at a wave number k and a thickness h, as a share of (k h)². Chosen from
+/// the 0.25 % by which such plates differ from elasticity in space in mode 8 of a free square of
+/// h/a 0.1; no test measures it.
 const PLATE_ERROR: f64 = 0.004;
 
 /// Body of a shape file.

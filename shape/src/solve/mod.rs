@@ -55,10 +55,6 @@ pub struct Solved {
     pub unknowns: usize,
     /// Number of triangles of the finest mesh.
     pub triangles: usize,
-    /// Largest edge of each mesh, metres, the coarsest first.
-    pub sizes_m: Vec<f64>,
-    /// Frequencies on each mesh, Hz.
-    pub frequencies_hz: Vec<Vec<f64>>,
     /// Mass of the body, kg.
     pub mass_kg: f64,
 }
@@ -71,7 +67,7 @@ const FINER: f64 = 0.7;
 const LEAST_GROWTH: f64 = 1.3;
 /// Least number of unknowns of a mesh for each mode that is wanted.
 const LEAST_UNKNOWNS: usize = 6;
-/// Largest number of unknowns: their factors take some 2 GB.
+/// Largest number of unknowns: a bound on memory, which was not tried.
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
@@ -101,7 +97,6 @@ pub fn solve(
     let strikes = Places::of(file, outline)?;
     let damping = Damping::of(&file.material, measured);
     let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
-    let (mut sizes_m, mut frequencies_hz) = (Vec::new(), Vec::<Vec<f64>>::new());
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut unknowns_before = 0.0;
     for number in 0..MOST_MESHES {
@@ -130,8 +125,6 @@ pub fn solve(
             return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
         }
         let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
-        sizes_m.push(size_m);
-        frequencies_hz.push(elastic.clone());
         let worst = estimates.iter().copied().fold(0.0, f64::max);
         let model = elastic.iter().map(|&frequency| body.model_error(frequency)).fold(0.0, f64::max);
         if worst <= error.max(1.05 * model) {
@@ -149,8 +142,6 @@ pub fn solve(
                 counted_to_hz: limit.max(0.0).sqrt() / TAU,
                 unknowns,
                 triangles: mesh.triangles.len(),
-                sizes_m,
-                frequencies_hz,
                 mass_kg,
             });
         }

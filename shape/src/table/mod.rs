@@ -1,6 +1,6 @@
 //! Table of a body: the kit text that people keep and boards play.
 
-use kit::{Acceleration, Kit, Mode, Object, Pulse, Striker};
+use kit::{Acceleration, Kit, Mode, Object, Pulse, Striker, item_name};
 
 use crate::solve::Solved;
 
@@ -10,10 +10,8 @@ const PEAK_FORCE_N: f32 = 20.0;
 const CONTACT_TIME_S: f32 = 5e-4;
 /// Decays that the format holds, 1/s.
 const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
-/// Maximum length of an item's name.
-const NAME_LENGTH: usize = 24;
-
-/// The object and a hard mallet as a kit without pads.
+/// The object and a hard mallet as a kit without pads. The object has the solved gains, in
+/// output/(N s), and a reference force of 20 N; decays are cut to 0.01 to 20 000 1/s, which the format holds.
 pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
     let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
     let modes = solved.modes.iter().map(|mode| Mode {
@@ -56,13 +54,4 @@ pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
         headphone_db: None,
         surfaces: Vec::new(),
     }
-}
-
-/// A name that the format accepts: printable ASCII without comma and quote, at most 24 characters,
-/// `ending` included.
-fn item_name(wanted: &str, ending: &str) -> String {
-    let plain = |c: char| if (' '..='~').contains(&c) && c != ',' && c != '"' { c } else { '-' };
-    let name: String = wanted.trim().chars().map(plain).take(NAME_LENGTH - ending.len()).collect();
-    let name = name.trim();
-    format!("{}{ending}", if name.is_empty() { "object" } else { name })
 }

@@ -59,8 +59,8 @@ pub fn events(motion: &Motion, kit: &Kit<'_>, rate: SampleRate, is_constant: boo
     Ok(events)
 }
 
-/// Merges two lists of events, each in order of time. Events of the first list come before those of
-/// the second list in the same frame.
+/// Merges two lists of events that are in order of time. In a frame, events of the first list come
+/// first.
 pub fn merged(first: &[Event], second: &[Event]) -> Vec<Event> {
     let mut merged = [first, second].concat();
     merged.sort_by_key(|event| event.time.first_frame());
