@@ -1,8 +1,9 @@
 //! Finite elements: from a mesh and a material to the matrices of stiffness and mass.
 //!
-//! A body ([`Plate`], [`Sheet`], [`Membrane`] or [`Revolve`]) makes a [`Discrete`] of a mesh: the
-//! matrices, and the nodes by which a mode is read at any point. Elements are isoparametric
-//! triangles of order 1 to 4 ([`Triangle`]); at order 4 they follow the cubic curves of the outline exactly.
+//! A body ([`Plate`], [`Sheet`], [`Membrane`] or [`Revolve`]) makes a [`Discrete`] of a mesh:
+//! the matrices, and the nodes by which a mode is read at any point. Elements are isoparametric
+//! triangles of order 1 to 4 ([`Triangle`]); at order 4 they follow the cubic curves of the
+//! outline exactly.
 
 mod assembly;
 mod discrete;

@@ -10,8 +10,10 @@ const PEAK_FORCE_N: f32 = 20.0;
 const CONTACT_TIME_S: f32 = 5e-4;
 /// Decays that the format holds, 1/s.
 const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
+
 /// The object and a hard mallet as a kit without pads. The object has the solved gains, in
-/// output/(N s), and a reference force of 20 N; decays are cut to 0.01 to 20 000 1/s, which the format holds.
+/// output/(N s), and a reference force of 20 N; decays are cut to 0.01 to 20 000 1/s, which the
+/// format holds.
 pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
     let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
     let modes = solved.modes.iter().map(|mode| Mode {
