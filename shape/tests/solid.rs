@@ -14,15 +14,18 @@ fn cuboid(extents: [f64; 3]) -> (Vec<Point>, Vec<[usize; 3]>) {
 }
 
 fn turned(points: &[Point], angles: Point) -> Vec<Point> {
-    points.iter().map(|point| {
-        let mut at = *point;
-        for axis in 0..3 {
-            let (sine, cosine) = angles[axis].sin_cos();
-            let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
-            (at[a], at[b]) = (cosine * at[a] - sine * at[b], sine * at[a] + cosine * at[b]);
-        }
-        at
-    }).collect()
+    points
+        .iter()
+        .map(|point| {
+            let mut at = *point;
+            for axis in 0..3 {
+                let (sine, cosine) = angles[axis].sin_cos();
+                let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
+                (at[a], at[b]) = (cosine * at[a] - sine * at[b], sine * at[a] + cosine * at[b]);
+            }
+            at
+        })
+        .collect()
 }
 
 fn ball(radius: f64, steps: usize) -> (Vec<Point>, Vec<[usize; 3]>) {
@@ -34,7 +37,9 @@ fn ball(radius: f64, steps: usize) -> (Vec<Point>, Vec<[usize; 3]>) {
         let first = points.len();
         for row in 0..=steps {
             for column in 0..=steps {
-                let [u, v] = [row, column].map(|step| (std::f64::consts::FRAC_PI_4 * (2.0 * step as f64 / steps as f64 - 1.0)).tan() / 2.0 + 0.5);
+                let [u, v] = [row, column].map(|step| {
+                    (std::f64::consts::FRAC_PI_4 * (2.0 * step as f64 / steps as f64 - 1.0)).tan() / 2.0 + 0.5
+                });
                 let at = [0, 1, 2].map(|axis| a[axis] + u * (b[axis] - a[axis]) + v * (d[axis] - a[axis]));
                 let length = at.iter().map(|part| part * part).sum::<f64>().sqrt();
                 points.push(at.map(|part| radius * part / length));
@@ -60,7 +65,17 @@ fn run(name: &str, surface: &Surface, size: f64) {
     let built = clock.elapsed().as_secs_f64();
     let modes = eigen::modes(&cells.problem, Wanted::Lowest(26), &mut |_, _| ()).unwrap();
     let hz: Vec<f64> = modes.values[6..].iter().map(|value| value.sqrt() / TAU).collect();
-    println!("{name}: {:?} cells {} unknowns {} nnz {} mass {} rigid {:.1e} counted {} build {built:.2} s, all {:.2} s", grid.counts, cells.len(), cells.problem.size, cells.problem.rows.len(), cells.mass_kg, modes.values[5], modes.counted, clock.elapsed().as_secs_f64());
+    println!(
+        "{name}: {:?} cells {} unknowns {} nnz {} mass {} rigid {:.1e} counted {} build {built:.2} s, all {:.2} s",
+        grid.counts,
+        cells.len(),
+        cells.problem.size,
+        cells.problem.rows.len(),
+        cells.mass_kg,
+        modes.values[5],
+        modes.counted,
+        clock.elapsed().as_secs_f64()
+    );
     println!("{hz:.2?}");
 }
 
@@ -81,5 +96,9 @@ fn try_out() {
     for cells in [3.0, 4.0, 5.0] {
         run("ball", &surface, 0.2 / cells);
     }
-    println!("expected {:.2} and mass {}", 2.501_133 * (200e9_f64 / 2.6 / 8000.0).sqrt() / 0.1 / TAU, 8000.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-3);
+    println!(
+        "expected {:.2} and mass {}",
+        2.501_133 * (200e9_f64 / 2.6 / 8000.0).sqrt() / 0.1 / TAU,
+        8000.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-3
+    );
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
-use ::shape::solve::{self, Solved, Wanted};
+use ::shape::solve::{self, Geometry, SolveError, Solved, Wanted};
+use ::shape::surface::Surface;
 use serde::Serialize;
 
 use super::error::CommandError;
@@ -29,6 +30,8 @@ pub(crate) enum ShapeError {
     NoText { path: PathBuf },
     #[error("{}: the outline is no .svg file; draw it as a closed path of an SVG file, or give polygon_m", path.display())]
     Outline { path: PathBuf },
+    #[error("{}: the surface is no .stl or .obj file", path.display())]
+    Surface { path: PathBuf },
     #[error("{}: the table that damping names has no modes", path.display())]
     NoDecays { path: PathBuf },
     #[error("{value} {option} is asked for; it must be {range}")]
@@ -44,9 +47,9 @@ struct ShapeReport<'a> {
     table: &'a Path,
     /// Mass of the body, kg.
     mass_kg: f64,
-    /// Number of unknowns and triangles of the finest mesh.
+    /// Number of unknowns, and of triangles or cells, of the finest mesh.
     unknowns: usize,
-    triangles: usize,
+    elements: usize,
     /// Number of rigid motions, which are left out.
     rigid: usize,
     /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
@@ -81,10 +84,10 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
-    let outline = outline(input, &file)?;
+    let body = body(input, &file)?;
     let measured = decays(input, &file)?;
     let bar = progress(STEPS, "finding the modes");
-    let solved = solve::solve(&file, &outline, measured, wanted(arguments)?, arguments.error, &mut |step| {
+    let solved = solve::solve(&file, body.geometry(), measured, wanted(arguments)?, arguments.error, &mut |step| {
         bar.set_position(step as u64);
     });
     bar.finish_and_clear();
@@ -113,20 +116,43 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
     })
 }
 
-/// Outline of the file's polygon or SVG file.
-fn outline(input: &Path, file: &ShapeFile) -> Result<Outline, ShapeError> {
-    let in_file = |error| ShapeError::Solve { path: input.to_owned(), error: solve::SolveError::Outline(error) };
-    let Some(name) = &file.shape.outline else {
-        return Outline::polygon(file.corners_m().unwrap_or(&[]), &file.shape.holes_m).map_err(in_file);
-    };
-    let path = input.parent().unwrap_or(Path::new("")).join(name);
-    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
-        return Err(ShapeError::Outline { path });
+/// Outline or surface that a file gives or names.
+enum Body {
+    Outline(Outline),
+    Surface(Surface),
+}
+
+impl Body {
+    fn geometry(&self) -> Geometry<'_> {
+        match self {
+            Self::Outline(outline) => outline.into(),
+            Self::Surface(surface) => surface.into(),
+        }
     }
-    let text = std::fs::read_to_string(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
+}
+
+fn body(input: &Path, file: &ShapeFile) -> Result<Body, ShapeError> {
+    let in_file = |error| ShapeError::Solve { path: input.to_owned(), error };
+    if file.shape.outline.is_none() && file.shape.surface.is_none() {
+        let corners = file.corners_m().unwrap_or(&[]);
+        let outline = Outline::polygon(corners, &file.shape.holes_m).map_err(SolveError::from);
+        return outline.map(Body::Outline).map_err(in_file);
+    }
+    let name = file.shape.outline.as_ref().or(file.shape.surface.as_ref());
+    let path = input.parent().unwrap_or(Path::new("")).join(name.map_or(Path::new(""), PathBuf::as_path));
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let bytes = std::fs::read(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
     let unit_m = file.shape.unit_m.unwrap_or(1.0);
-    Outline::from_svg(&text, unit_m)
-        .map_err(|error| ShapeError::Solve { path, error: solve::SolveError::Outline(error) })
+    let read = match (file.shape.outline.is_some(), ending.to_str()) {
+        (true, Some("svg")) => {
+            Outline::from_svg(&String::from_utf8_lossy(&bytes), unit_m).map(Body::Outline).map_err(SolveError::from)
+        }
+        (true, _) => return Err(ShapeError::Outline { path }),
+        (false, Some("stl")) => Surface::from_stl(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),
+        (false, Some("obj")) => Surface::from_obj(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),
+        (false, _) => return Err(ShapeError::Surface { path }),
+    };
+    read.map_err(|error| ShapeError::Solve { path, error })
 }
 
 /// Frequency and decay of the modes of the table that `damping` names.
@@ -153,7 +179,7 @@ fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeRepo
         table,
         mass_kg: solved.mass_kg,
         unknowns: solved.unknowns,
-        triangles: solved.triangles,
+        elements: solved.elements,
         rigid: solved.rigid,
         counted: solved.counted,
         counted_to_hz: solved.counted_to_hz,
@@ -163,12 +189,12 @@ fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeRepo
 
 fn as_text(shown: &ShapeReport<'_>) -> String {
     let mut text = format!(
-        "{}: {} modes of a body of {:.3} g; {} unknowns in {} triangles; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
+        "{}: {} modes of a body of {:.3} g; {} unknowns in {} elements; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
         shown.table.display(),
         shown.modes.len(),
         1e3 * shown.mass_kg,
         shown.unknowns,
-        shown.triangles,
+        shown.elements,
         shown.counted,
         shown.counted_to_hz,
         shown.rigid

@@ -76,9 +76,10 @@ impl Functions {
     }
 
     fn products(&self, weights: &[f64]) -> Products {
-        let weighted = self.values.each_ref().map(|values| {
-            Mat::from_fn(NODES, ALL, |node, point| values[(node, point)] * weights[point])
-        });
+        let weighted = self
+            .values
+            .each_ref()
+            .map(|values| Mat::from_fn(NODES, ALL, |node, point| values[(node, point)] * weights[point]));
         let product = |left: usize, right: usize| {
             let mut sum = Mat::zeros(NODES, NODES);
             let transposed = self.values[right].transpose();

@@ -1,8 +1,8 @@
 //! Solid with finitely many unknowns.
 
+use super::Grid;
 use super::cell::parts;
 use super::functions::{FUNCTIONS, lagrange};
-use super::Grid;
 use crate::eigen::Problem;
 use crate::surface::Point;
 

@@ -21,7 +21,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Makes the grid over a surface whose cells have edges of at most `size_m`, metres.
+    /// Makes the grid over a surface whose cells have edges of at most `size_m`, metres; a single cell
+    /// if that is infinite.
     pub fn over(surface: &Surface, size_m: f64) -> Self {
         let upright = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let volume = |bounds: &[Point; 2]| (0..3).map(|axis| bounds[1][axis] - bounds[0][axis]).product::<f64>();
@@ -43,13 +44,19 @@ impl Grid {
 
     /// Gives the point, metres, of a place in units of cells.
     pub(super) fn point(&self, local: Point) -> Point {
-        let along = |axis: usize| (0..3).map(|part| local[part] * self.edges_m[part] * self.axes[part][axis]).sum::<f64>();
+        let along =
+            |axis: usize| (0..3).map(|part| local[part] * self.edges_m[part] * self.axes[part][axis]).sum::<f64>();
         [0, 1, 2].map(|axis| self.origin[axis] + along(axis))
     }
 
     /// Gives the number of cells.
     pub fn count(&self) -> usize {
         self.counts.iter().product()
+    }
+
+    /// Gives the number of unknowns if all cells have a part inside the body.
+    pub fn unknowns(&self) -> usize {
+        3 * self.counts.iter().map(|count| super::ORDER * count + 1).product::<usize>()
     }
 
     /// Gives the number of a cell, counted along the first axis first.

@@ -11,7 +11,7 @@ mod functions;
 mod grid;
 mod moments;
 
-pub use cells::Cells;
+pub use cells::{Cells, RIGID};
 pub use grid::Grid;
 
 use crate::surface::{Surface, SurfaceError};

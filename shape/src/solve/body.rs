@@ -44,10 +44,7 @@ impl Body {
         let [low, high] = outline.bounds().unwrap_or_default();
         let extents = [0, 1].map(|axis| high[axis] - low[axis]);
         let longest = extents[0].max(extents[1]);
-        if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&longest) {
-            let unit = if longest > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
-            return Err(SolveError::Size { size_m: longest, unit });
-        }
+        check_size(longest)?;
         let kind = file.shape.kind;
         let thickness_m = if kind == Kind::Membrane { 0.0 } else { file.shape.thickness_m.unwrap_or(0.0) };
         let width_m = width(outline, extents);
@@ -98,7 +95,7 @@ impl Body {
         match self.kind {
             Kind::Membrane => area * self.skin[1],
             Kind::Plate | Kind::Sheet => area * self.material.density * self.thickness_m,
-            Kind::Revolve => {
+            Kind::Revolve | Kind::Solid => {
                 let rings = pieces(discrete, &[]).into_iter().map(|(at, area, _)| TAU * at[0] * area);
                 self.material.density * rings.sum::<f64>()
             }
@@ -115,7 +112,7 @@ impl Body {
                 (omega * omega * self.material.density * self.thickness_m / bending).powf(0.25)
             }
             // The lowest modes of a slender sheet bend: their waves are about this short.
-            Kind::Sheet | Kind::Revolve => omega * (self.material.density / shear).sqrt(),
+            Kind::Sheet | Kind::Revolve | Kind::Solid => omega * (self.material.density / shear).sqrt(),
         }
     }
 
@@ -166,8 +163,27 @@ impl Body {
             Kind::Plate => Plate { material, thickness }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
-            Kind::Revolve => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Revolve | Kind::Solid => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
         })
+    }
+}
+
+/// Checks that a body is neither too long nor too short.
+pub(super) fn check_size(longest_m: f64) -> Result<(), SolveError> {
+    if (EXTENT_M[0]..=EXTENT_M[1]).contains(&longest_m) {
+        return Ok(());
+    }
+    let unit = if longest_m > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
+    Err(SolveError::Size { size_m: longest_m, unit })
+}
+
+/// Young's modulus, Pa, Poisson's ratio and density, kg/m³, of a material that is alike in all
+/// directions.
+pub(super) fn isotropic(file: &ShapeFile) -> Result<(f64, f64, f64), SolveError> {
+    let found = material(file)?;
+    match found.elasticity {
+        Elasticity::Isotropic { young, poisson } => Ok((young, poisson, found.density)),
+        Elasticity::Orthotropic { .. } => Err(SolveError::Grain),
     }
 }
 
