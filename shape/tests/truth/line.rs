@@ -46,8 +46,13 @@ pub(crate) fn product(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 impl Line {
     /// Makes orthonormal functions, even or odd, of Legendre polynomials below a degree, each times
     /// `factor`. A layer (width, count) adds the powers of the distance from its inner end, from
-    /// the first to the count-th, that vanish outside the layer.
-    pub(crate) fn new(is_odd: bool, degrees: usize, layer: Option<(f64, usize)>, factor: impl Fn(f64) -> [f64; 3]) -> Self {
+    /// the first to the count-th, times `factor`, that vanish outside the layer.
+    pub(crate) fn new(
+        is_odd: bool,
+        degrees: usize,
+        layer: Option<(f64, usize)>,
+        factor: impl Fn(f64) -> [f64; 3],
+    ) -> Self {
         let width = layer.map_or(1.0, |(width, _)| width.min(1.0));
         let points = gauss(degrees + 12);
         let inner = points.iter().map(|[at, weight]| [(1.0 - width) * at, (1.0 - width) * weight]);
@@ -61,7 +66,9 @@ impl Line {
             line.push(points.iter().map(|[x, _]| {
                 let depth = (x - 1.0 + width) / width;
                 let slope = f64::from(power) / width;
-                if depth > 0.0 { [depth.powi(power), slope * depth.powi(power - 1), 0.0] } else { [0.0; 3] }
+                let value =
+                    if depth > 0.0 { [depth.powi(power), slope * depth.powi(power - 1), 0.0] } else { [0.0; 3] };
+                product(value, factor(*x))
             }));
         }
         line

@@ -1,12 +1,12 @@
-//! Free boxes by elasticity in space: Ritz's method with products of Legendre polynomials.
+//! Blocks by elasticity in space: Ritz's method with products of Legendre polynomials.
 
 use faer::{Mat, Side};
 
 use super::line::Line;
 
-/// Free box of an isotropic material.
+/// Block of an isotropic material.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FreeBox {
+pub(crate) struct Block {
     /// Extents, metres.
     pub(crate) size_m: [f64; 3],
     /// Young's modulus, Pa.
@@ -15,6 +15,8 @@ pub(crate) struct FreeBox {
     pub(crate) poisson: f64,
     /// Density, kg/m³.
     pub(crate) density: f64,
+    /// True if the sides at the ends of the first two axes are clamped; false if all are free.
+    pub(crate) is_clamped: bool,
 }
 
 /// Functions of an expansion.
@@ -39,7 +41,7 @@ pub(crate) fn parities() -> impl Iterator<Item = Parity> {
     (0..8).map(|bits| [0, 1, 2].map(|axis| bits >> axis & 1 == 1))
 }
 
-impl FreeBox {
+impl Block {
     /// Frequencies in Hz of all elastic modes of the expansion, the lowest first.
     pub(crate) fn frequencies(&self, functions: Functions, count: usize) -> Vec<f64> {
         sorted(parities().flat_map(|parity| self.of_parity(parity, functions)).collect(), count)
@@ -57,7 +59,10 @@ impl FreeBox {
         let line = |axis: usize, is_odd: bool| {
             let width = 2.0 * LAYER * self.size_m[2] / self.size_m[axis];
             let layer = (axis < 2 && functions.layer > 0 && width < 1.0).then_some((width, functions.layer));
-            Line::new(is_odd, functions.degrees[axis], layer, |_| [1.0, 0.0, 0.0])
+            Line::new(is_odd, functions.degrees[axis], layer, |x| {
+                let is_held = self.is_clamped && axis < 2;
+                if is_held { [1.0 - x * x, -2.0 * x, -2.0] } else { [1.0, 0.0, 0.0] }
+            })
         };
         let lines = [0, 1, 2].map(|axis| [line(axis, false), line(axis, true)]);
         // Parity of a component along an axis.
@@ -101,7 +106,7 @@ impl FreeBox {
         }
         let values = stiffness.self_adjoint_eigenvalues(Side::Lower).unwrap();
         // A translation has one even parity, a turn two.
-        let rigid = usize::from(parity != [false; 3] && parity != [true; 3]);
+        let rigid = usize::from(!self.is_clamped && parity != [false; 3] && parity != [true; 3]);
         let hz = |value: &f64| (value.max(0.0) / self.density).sqrt() / std::f64::consts::TAU;
         values.iter().skip(rigid).map(hz).collect()
     }
