@@ -29,6 +29,11 @@ pub(super) trait Body {
     fn stiffness(&self) -> [[f64; STRAINS]; STRAINS];
     /// Returns the mass a unit of area for each component.
     fn inertia(&self) -> [f64; 3];
+    /// Returns the mass a unit of area of the deflection times the sum of the first two strains, and
+    /// of that sum squared.
+    fn swelling(&self) -> Option<[f64; 2]> {
+        None
+    }
     /// Returns the factor of both energies at a point.
     fn weight(&self, _at: Point) -> f64 {
         1.0
@@ -117,6 +122,7 @@ impl Element {
         let size = members.len() * B::COMPONENTS;
         let elasticity = body.stiffness();
         let inertia = body.inertia();
+        let swelling = body.swelling();
         let mut element = Self { stiffness: vec![0.0; size * size], mass: vec![0.0; size * size] };
         let mut strains = vec![[0.0; STRAINS]; size];
         let lowered = if B::LOWERED { lower(nodes, members, samples) } else { Vec::new() };
@@ -156,6 +162,9 @@ impl Element {
                     }
                 }
             }
+            if let Some(masses) = swelling {
+                element.swell(masses.map(|mass| mass * weight), &strains, &sample.values, B::COMPONENTS);
+            }
             for (row, strain) in strains.iter().enumerate() {
                 let mut stress = [0.0; STRAINS];
                 for (stress, line) in stress.iter_mut().zip(&elasticity).take(B::STRAINS) {
@@ -172,6 +181,19 @@ impl Element {
             }
         }
         Ok(element)
+    }
+
+    /// Adds the masses of the swelling at a sample.
+    fn swell(&mut self, [mixed, own]: [f64; 2], strains: &[[f64; STRAINS]], values: &[f64], components: usize) {
+        let sum = |row: usize| strains[row][0] + strains[row][1];
+        let deflection = |row: usize| if row % components == 0 { values[row / components] } else { 0.0 };
+        let size = strains.len();
+        for row in 0..size {
+            for column in 0..size {
+                let cross = deflection(row) * sum(column) + sum(row) * deflection(column);
+                self.mass[row * size + column] += mixed * cross + own * sum(row) * sum(column);
+            }
+        }
     }
 }
 

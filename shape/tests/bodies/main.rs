@@ -1,5 +1,10 @@
 //! Frequencies, gains and estimates of whole bodies, from the text of a shape file to the modes.
 
+#[path = "../truth/mod.rs"]
+mod truth;
+
+mod boxes;
+
 use std::f64::consts::{PI, TAU};
 
 use shape::file::ShapeFile;
@@ -7,9 +12,9 @@ use shape::outline::Outline;
 use shape::solve::{self, SolveError, Solved, Wanted};
 
 /// Material of the tests: E 200 GPa, ν 0.3, ρ 8000 kg/m³, without damping.
-const METAL: &str = "density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0";
+pub(crate) const METAL: &str = "density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0";
 
-fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Result<Solved, SolveError> {
+pub(crate) fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Result<Solved, SolveError> {
     let file = ShapeFile::parse(text)?;
     let outline = match svg {
         Some(svg) => Outline::from_svg(svg, file.shape.unit_m.unwrap_or(1.0))?,
@@ -18,12 +23,12 @@ fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Resu
     solve::solve(&file, &outline, vec![], wanted, error, &mut |_| {})
 }
 
-fn frequencies(solved: &Solved) -> Vec<f64> {
+pub(crate) fn frequencies(solved: &Solved) -> Vec<f64> {
     solved.modes.iter().map(|mode| mode.frequency_hz).collect()
 }
 
 /// Text of a plate; `support` is that of all edges.
-fn plate(polygon: &str, thickness: f64, support: &str) -> String {
+pub(crate) fn plate(polygon: &str, thickness: f64, support: &str) -> String {
     format!(
         "format = 1\nname = \"plate\"\nshape = {{ kind = \"plate\", {polygon}, thickness_m = {thickness} }}\n\
          material = {{ {METAL} }}\nsupport = {{ edge = \"{support}\" }}\n"
@@ -31,13 +36,13 @@ fn plate(polygon: &str, thickness: f64, support: &str) -> String {
 }
 
 /// Frequency of a thin plate of the tests' material whose frequency parameter is λ² = ω a² √(ρh/D).
-fn thin_hz(parameter: f64, size_m: f64, thickness: f64) -> f64 {
+pub(crate) fn thin_hz(parameter: f64, size_m: f64, thickness: f64) -> f64 {
     let stiffness = 200e9 * thickness.powi(3) / (12.0 * (1.0 - 0.09));
     parameter / (size_m * size_m) * (stiffness / (8000.0 * thickness)).sqrt() / TAU
 }
 
 /// Asserts that frequencies are within a share of others, and returns the largest difference.
-fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f64 {
+pub(crate) fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f64 {
     let found = frequencies(solved);
     assert!(found.len() >= expected.len(), "{found:?}");
     let off = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs();
@@ -53,14 +58,14 @@ fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f64 {
     worst
 }
 
-fn sorted(mut values: Vec<f64>, count: usize) -> Vec<f64> {
+pub(crate) fn sorted(mut values: Vec<f64>, count: usize) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values.truncate(count);
     values
 }
 
 #[test]
-fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
+pub(crate) fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
     for aspect in [1.0, 1.37, 3.1] {
         let polygon = format!("polygon_m = [[0, 0], [{aspect}, 0], [{aspect}, 1], [0, 1]]");
         let solved = solve_text(&plate(&polygon, 0.0005, "hinged"), None, Wanted::Lowest(32), 0.001).unwrap();
@@ -72,7 +77,7 @@ fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
 }
 
 #[test]
-fn thin_clamped_squares_and_discs_have_the_published_frequencies() {
+pub(crate) fn thin_clamped_squares_and_discs_have_the_published_frequencies() {
     let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
     let square = solve_text(&plate(polygon, 0.0005, "clamped"), None, Wanted::Lowest(6), 0.001).unwrap();
     let parameters = [35.9852, 73.3938, 73.3938, 108.217, 131.581, 132.205];
@@ -90,7 +95,7 @@ fn thin_clamped_squares_and_discs_have_the_published_frequencies() {
 }
 
 #[test]
-fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
+pub(crate) fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
     let text = |shape: &str| {
         format!(
             "format = 1\nname = \"skin\"\nshape = {{ kind = \"membrane\", {shape}, tension_n_per_m = 1, density_kg_per_m2 = 1 }}\nmaterial = {{ loss_factor = 0 }}\n"
@@ -113,7 +118,7 @@ fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
 }
 
 #[test]
-fn benchmarks_are_as_near_as_the_page_says() {
+pub(crate) fn benchmarks_are_as_near_as_the_page_says() {
     for benchmark in shape::benchmarks::all() {
         let computed = benchmark.solve(0.001).unwrap();
         let differences: Vec<f64> = computed.iter().zip(benchmark.published_hz).map(|(a, b)| a / b - 1.0).collect();
@@ -129,7 +134,7 @@ fn benchmarks_are_as_near_as_the_page_says() {
 }
 
 #[test]
-fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
+pub(crate) fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
     let text = "format = 1\nname = \"plate\"\n\
         shape = { kind = \"plate\", polygon_m = [[0, 0], [1.3, 0], [1.3, 1], [0, 1]], thickness_m = 0.001 }\n\
         material = { density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0.01 }\n\
@@ -159,7 +164,7 @@ fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
 }
 
 #[test]
-fn strike_and_point_exchanged_give_the_same_gains() {
+pub(crate) fn strike_and_point_exchanged_give_the_same_gains() {
     let text = |strike: &str, heard: &str| {
         format!(
             "format = 1\nname = \"l\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [0.2, 0], [0.2, 0.1], [0.1, 0.1], [0.1, 0.3], [0, 0.3]], thickness_m = 0.004 }}\n\
@@ -174,7 +179,7 @@ fn strike_and_point_exchanged_give_the_same_gains() {
 }
 
 #[test]
-fn stiffness_density_and_size_scale_all_frequencies() {
+pub(crate) fn stiffness_density_and_size_scale_all_frequencies() {
     let text = |size: f64, youngs: f64, density: f64| {
         format!(
             "format = 1\nname = \"bar\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [{}, 0], [{}, {}], [0, {}]], thickness_m = {} }}\n\
@@ -200,7 +205,7 @@ fn stiffness_density_and_size_scale_all_frequencies() {
 }
 
 #[test]
-fn faults_of_a_shape_are_named() {
+pub(crate) fn faults_of_a_shape_are_named() {
     let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
     let named = |text: &str, word: &str| {
         let error = solve_text(text, None, Wanted::Lowest(4), 0.01).unwrap_err().to_string();
@@ -219,7 +224,7 @@ fn faults_of_a_shape_are_named() {
 
 /// Returns ω a/c of shear waves of a sphere's lowest spheroidal mode of degree 2 (Eringen and
 /// Suhubi, Elastodynamics II, 1975).
-fn spheroidal(poisson: f64) -> f64 {
+pub(crate) fn spheroidal(poisson: f64) -> f64 {
     let j2 = |x: f64| (3.0 / x.powi(3) - 1.0 / x) * x.sin() - 3.0 / (x * x) * x.cos();
     let j3 = |x: f64| (15.0 / x.powi(4) - 6.0 / (x * x)) * x.sin() - (15.0 / x.powi(3) - 1.0 / x) * x.cos();
     let determinant = |k: f64| {
@@ -237,7 +242,7 @@ fn spheroidal(poisson: f64) -> f64 {
 }
 
 #[test]
-fn a_sphere_has_its_multiplets_of_five() {
+pub(crate) fn a_sphere_has_its_multiplets_of_five() {
     let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="2" height="2"><path d="M0,0 A1,1 0 0,1 0,2 Z"/></svg>"#;
     let text = format!(
         "format = 1\nname = \"ball\"\nshape = {{ kind = \"revolve\", outline = \"half.svg\", unit_m = 0.1 }}\nmaterial = {{ {METAL} }}\n"
@@ -255,7 +260,7 @@ fn a_sphere_has_its_multiplets_of_five() {
 }
 
 #[test]
-fn pairs_of_a_bell_part_by_the_split_and_warble() {
+pub(crate) fn pairs_of_a_bell_part_by_the_split_and_warble() {
     let text = |split: f64, at: &str| {
         format!(
             "format = 1\nname = \"cup\"\nshape = {{ kind = \"revolve\", split = {split}, profile_m = [[0, 0], [0.03, 0], [0.04, 0.08], [0.037, 0.08], [0.028, 0.003], [0, 0.003]] }}\n\

@@ -1,0 +1,7 @@
+//! Frequencies and shapes of bodies by means other than finite elements.
+
+// Each test program takes a part of it.
+#![allow(dead_code)]
+
+pub(crate) mod line;
+pub(crate) mod ritz;
