@@ -2,6 +2,7 @@
 
 mod body;
 mod error;
+mod figure;
 mod parts;
 mod places;
 
@@ -14,6 +15,7 @@ use crate::outline::Outline;
 
 pub use body::Body;
 pub use error::SolveError;
+pub use figure::{Figure, MOST_MODES as MOST_FIGURES, Motion, Tried};
 use parts::{Part, Place};
 pub use places::Places;
 use places::Round;
@@ -57,6 +59,10 @@ pub struct Solved {
     pub triangles: usize,
     /// Mass of the body, kg.
     pub mass_kg: f64,
+    /// Meshes that were tried, the coarsest first; the modes stand on the last one.
+    pub meshes: Vec<Tried>,
+    /// Picture of the body and its lowest modes; `None` if the kind of body has none.
+    pub figure: Option<Figure>,
 }
 
 /// Largest number of meshes, each finer than the one before.
@@ -99,6 +105,7 @@ pub fn solve(
     let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut unknowns_before = 0.0;
+    let mut meshes = Vec::new();
     for number in 0..MOST_MESHES {
         tell(100 * number / MOST_MESHES);
         let mesh = body.mesh(size_m)?;
@@ -124,6 +131,7 @@ pub fn solve(
         if let Some(&lowest_hz) = elastic.first().filter(|&&lowest| lowest >= HIGHEST_HZ) {
             return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
         }
+        meshes.push(Tried { unknowns, triangles: mesh.triangles.len(), frequencies_hz: elastic.clone() });
         let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         let worst = estimates.iter().copied().fold(0.0, f64::max);
         let model = elastic.iter().map(|&frequency| body.model_error(frequency)).fold(0.0, f64::max);
@@ -131,9 +139,11 @@ pub fn solve(
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
             let mass_kg = parts.first().map_or(0.0, |part| body.mass_kg(&part.discrete));
-            let mode = |(place, &error)| body.mode(&parts, place, &strikes, &damping, error);
-            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, _>>()?;
-            modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+            let mode = |(place, &error)| Ok((body.mode(&parts, place, &strikes, &damping, error)?, *place));
+            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, SolveError>>()?;
+            modes.sort_by(|a, b| a.0.frequency_hz.total_cmp(&b.0.frequency_hz));
+            let (modes, places): (Vec<Mode>, Vec<Place>) = modes.into_iter().unzip();
+            let figure = figure::of(&mesh, &parts, &places, &strikes)?;
             tell(100);
             return Ok(Solved {
                 modes,
@@ -143,6 +153,8 @@ pub fn solve(
                 unknowns,
                 triangles: mesh.triangles.len(),
                 mass_kg,
+                meshes,
+                figure: Some(figure),
             });
         }
         before = Some((elastic, estimates));
