@@ -29,12 +29,16 @@ pub(crate) struct ShapeArguments {
     /// Sound of a strike at each position, a second apart, as a WAV file
     #[arg(long, value_name = "OUT.wav")]
     pub(crate) render: Option<PathBuf>,
+    /// Folder for index.html, a page with drawings, charts and sounds of the modes; it is made if
+    /// it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
     /// Licence of the table
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) licence: String,
     /// Print frequencies of published benchmarks (NAFEMS FV12, FV16, FV32, FV52) beside the
     /// computed ones, in place of a shape
-    #[arg(long, conflicts_with_all = ["input", "output"])]
+    #[arg(long, conflicts_with_all = ["input", "output", "render", "report"])]
     pub(crate) benchmarks: bool,
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]

@@ -24,6 +24,7 @@ mod separate_labels;
 mod separate_tables;
 pub(crate) mod shape;
 mod shape_benchmarks;
+mod shape_report;
 mod shape_sound;
 pub(crate) mod study;
 pub(crate) mod surface;

@@ -36,6 +36,10 @@ pub(crate) enum ShapeError {
     NoDecays { path: PathBuf },
     #[error("{value} {option} is asked for; it must be {range}")]
     Range { option: &'static str, value: f64, range: &'static str },
+    #[error("{}: is a file, and --report writes a page into a folder; give a folder", path.display())]
+    ReportIsFile { path: PathBuf },
+    #[error("{}: is the page of something else and would be lost; give --report another folder", path.display())]
+    OtherPage { path: PathBuf },
     #[error(transparent)]
     Benchmark(#[from] solve::SolveError),
 }
@@ -45,6 +49,8 @@ pub(crate) enum ShapeError {
 struct ShapeReport<'a> {
     input: &'a Path,
     table: &'a Path,
+    /// Path of the page, if one was asked for.
+    page: Option<&'a Path>,
     /// Mass of the body, kg.
     mass_kg: f64,
     /// Number of unknowns, and of triangles or cells, of the finest mesh.
@@ -81,6 +87,9 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
             return Err(CommandError::SameOutput { output: output.clone() });
         }
     }
+    if let Some(folder) = &arguments.report {
+        super::shape_report::check(folder)?;
+    }
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
@@ -97,9 +106,16 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     ::kit::binary::build(&table)?;
     ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
     if let Some(sound) = &arguments.render {
-        super::shape_sound::write(sound, output, table, solved.modes.first().map_or(1, |mode| mode.gains.len()))?;
+        super::shape_sound::write(
+            sound,
+            output,
+            table.clone(),
+            solved.modes.first().map_or(1, |mode| mode.gains.len()),
+        )?;
     }
-    let report = report(input, output, &solved);
+    let write_page = |folder: &PathBuf| super::shape_report::write(folder, arguments, &file, table, &solved);
+    let page = arguments.report.as_ref().map(write_page).transpose()?;
+    let report = report(input, output, page.as_deref(), &solved);
     if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
 }
 
@@ -165,7 +181,7 @@ fn decays(input: &Path, file: &ShapeFile) -> Result<Vec<[f64; 2]>, CommandError>
     if decays.is_empty() { Err(ShapeError::NoDecays { path }.into()) } else { Ok(decays) }
 }
 
-fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeReport<'a> {
+fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: &'a Solved) -> ShapeReport<'a> {
     let mode = |mode: &'a solve::Mode| ModeReport {
         frequency_hz: mode.frequency_hz,
         error: mode.error,
@@ -177,6 +193,7 @@ fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeRepo
     ShapeReport {
         input,
         table,
+        page,
         mass_kg: solved.mass_kg,
         unknowns: solved.unknowns,
         elements: solved.elements,
@@ -210,6 +227,9 @@ fn as_text(shown: &ShapeReport<'_>) -> String {
             mode.decay_per_s,
             largest
         );
+    }
+    if let Some(page) = shown.page {
+        text += &format!("page: {}\n", page.display());
     }
     text
 }

@@ -35,6 +35,12 @@ impl Cells {
         self.members.is_empty()
     }
 
+    /// Gives the places in the grid of the cells with a part inside the body.
+    pub(crate) fn places(&self) -> impl Iterator<Item = [usize; 3]> {
+        let numbers = self.cells.iter().enumerate().filter(|(_, cell)| cell.is_some());
+        numbers.map(|(number, _)| self.grid.place(number))
+    }
+
     /// Gives the displacement of a mode, along the axes of the file, at a point on or in the body;
     /// `None` far from it.
     pub fn value(&self, vector: &[f64], point: Point) -> Option<Point> {

@@ -43,7 +43,7 @@ impl Grid {
     }
 
     /// Gives the point, metres, of a place in units of cells.
-    pub(super) fn point(&self, local: Point) -> Point {
+    pub(crate) fn point(&self, local: Point) -> Point {
         let along =
             |axis: usize| (0..3).map(|part| local[part] * self.edges_m[part] * self.axes[part][axis]).sum::<f64>();
         [0, 1, 2].map(|axis| self.origin[axis] + along(axis))

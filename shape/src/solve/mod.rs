@@ -2,10 +2,12 @@
 
 mod body;
 mod error;
+mod figure;
 mod model;
 mod parts;
 mod places;
 mod solid;
+mod solid_figure;
 mod solid_places;
 
 use std::f64::consts::TAU;
@@ -16,8 +18,9 @@ use crate::gain::Gain;
 
 pub use body::Body;
 pub use error::SolveError;
+pub use figure::{Figure, MOST_MODES as MOST_FIGURES, Motion, Tried};
 pub use model::Geometry;
-use model::Model;
+use model::{Level, Model};
 use parts::{Part, Place};
 pub use places::Places;
 use places::Round;
@@ -61,6 +64,10 @@ pub struct Solved {
     pub elements: usize,
     /// Mass of the body, kg.
     pub mass_kg: f64,
+    /// Meshes that were tried, the coarsest first; the modes stand on the last one.
+    pub meshes: Vec<Tried>,
+    /// Picture of the body and its lowest modes; `None` if the kind of body has none.
+    pub figure: Option<Figure>,
 }
 
 /// Largest number of meshes, each finer than the one before.
@@ -102,10 +109,11 @@ pub fn solve<'a>(
     let mut size_m = model.first_size_m(wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut unknowns_before = 0.0;
+    let mut meshes = Vec::new();
     for number in 0..MOST_MESHES {
         tell(100 * number / MOST_MESHES);
-        let level = model.level(size_m)?;
-        let (unknowns, elements) = (level.first.problem().size, level.elements);
+        let Level { mesh, first, elements } = model.level(size_m)?;
+        let unknowns = first.problem().size;
         if unknowns > MOST_UNKNOWNS {
             return Err(SolveError::TooLarge { unknowns });
         }
@@ -116,7 +124,7 @@ pub fn solve<'a>(
             continue;
         }
         unknowns_before = unknowns as f64;
-        let parts = parts::find(&model, level, wanted)?;
+        let parts = parts::find(&model, mesh.as_ref(), first, wanted)?;
         let mut places = parts::sorted(&parts);
         if let Wanted::Lowest(count) = wanted {
             places.truncate(count);
@@ -126,6 +134,7 @@ pub fn solve<'a>(
         if let Some(&lowest_hz) = elastic.first().filter(|&&lowest| lowest >= HIGHEST_HZ) {
             return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
         }
+        meshes.push(Tried { unknowns, elements, frequencies_hz: elastic.clone() });
         let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         let worst = estimates.iter().copied().fold(0.0, f64::max);
         let theory = elastic.iter().map(|&frequency| model.model_error(frequency)).fold(0.0, f64::max);
@@ -133,9 +142,11 @@ pub fn solve<'a>(
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
-            let mode = |(place, &error)| model.mode(&parts, place, &damping, error);
-            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, _>>()?;
-            modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+            let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));
+            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, SolveError>>()?;
+            modes.sort_by(|a, b| a.0.frequency_hz.total_cmp(&b.0.frequency_hz));
+            let (modes, places): (Vec<Mode>, Vec<Place>) = modes.into_iter().unzip();
+            let figure = model.figure(mesh.as_ref(), &parts, &places)?;
             tell(100);
             return Ok(Solved {
                 modes,
@@ -145,6 +156,8 @@ pub fn solve<'a>(
                 unknowns,
                 elements,
                 mass_kg,
+                meshes,
+                figure,
             });
         }
         before = Some((elastic, estimates));

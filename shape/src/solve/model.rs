@@ -1,8 +1,10 @@
 //! Body of any kind: flat ones and those of revolution, and solids.
 
-use super::parts::Matrices;
+use super::figure::{self, Figure};
+use super::parts::{Matrices, Part, Place};
 use super::places::Round;
 use super::solid::SolidBody;
+use super::solid_figure;
 use super::solid_places::SolidPlaces;
 use super::{Body, Places, SolveError, Wanted};
 use crate::file::{Kind, ShapeFile};
@@ -122,6 +124,20 @@ impl Model {
             (Self::Flat { body, .. }, Matrices::Flat(discrete)) => body.mass_kg(discrete),
             (_, Matrices::Solid(cells)) => cells.mass_kg,
             (Self::Solid { .. }, Matrices::Flat(_)) => 0.0,
+        }
+    }
+
+    /// Picture of the lowest modes.
+    pub(super) fn figure(
+        &self,
+        mesh: Option<&Mesh>,
+        parts: &[Part],
+        modes: &[Place],
+    ) -> Result<Option<Figure>, SolveError> {
+        match (self, mesh) {
+            (Self::Flat { places, .. }, Some(mesh)) => figure::of(mesh, parts, modes, places).map(Some),
+            (Self::Solid { body, places }, _) => solid_figure::of(&body.surface, places, parts, modes),
+            _ => Ok(None),
         }
     }
 

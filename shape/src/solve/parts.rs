@@ -3,10 +3,11 @@
 
 use std::f64::consts::TAU;
 
-use super::model::{Level, Model};
+use super::model::Model;
 use super::{SolveError, Wanted};
 use crate::eigen::{self, EigenError, Modes, Problem};
 use crate::element::Discrete;
+use crate::mesh::Mesh;
 use crate::solid::{Cells, RIGID};
 
 /// Largest number of waves round an axis that is looked at.
@@ -73,10 +74,14 @@ impl Part {
     }
 }
 
-/// Finds the parts of a level whose modes are wanted.
-pub(super) fn find(model: &Model, level: Level, wanted: Wanted) -> Result<Vec<Part>, SolveError> {
+/// Finds the parts whose modes are wanted; `first` has no waves round the axis.
+pub(super) fn find(
+    model: &Model,
+    mesh: Option<&Mesh>,
+    first: Matrices,
+    wanted: Wanted,
+) -> Result<Vec<Part>, SolveError> {
     let mut parts: Vec<Part> = Vec::new();
-    let Level { mesh, first, .. } = level;
     let (mut next, mut waves, mut above) = (Some(first), 0, 0);
     while let Some(matrices) = next {
         let limit = match wanted {
@@ -94,7 +99,7 @@ pub(super) fn find(model: &Model, level: Level, wanted: Wanted) -> Result<Vec<Pa
         parts.push(Part { matrices, found, waves });
         waves += 1;
         let is_done = waves > FEW_WAVES && above >= 2 || waves > MOST_WAVES;
-        next = if is_done { None } else { model.round(mesh.as_ref(), waves)? };
+        next = if is_done { None } else { model.round(mesh, waves)? };
     }
     Ok(parts)
 }

@@ -84,6 +84,16 @@ impl Places {
         Ok(Self { kind, strikes, heard, heard_rad })
     }
 
+    /// Places of strikes in the order of the positions, metres.
+    pub(super) fn struck(&self) -> Vec<Point> {
+        self.strikes.iter().map(|strike| strike.0).collect()
+    }
+
+    /// Point of the body that is heard, metres; `None` for other readouts.
+    pub(super) fn heard_point(&self) -> Option<Point> {
+        if let Heard::Velocity(at, _) = self.heard { Some(at) } else { None }
+    }
+
     /// Gains of a mode at all positions; ω in rad/s, d in 1/s.
     pub(super) fn gains(
         &self,

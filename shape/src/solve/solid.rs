@@ -16,7 +16,7 @@ const OF_THE_SURFACE: f64 = 6.0;
 /// Solid of a shape file.
 #[derive(Clone, Debug)]
 pub(super) struct SolidBody {
-    surface: Surface,
+    pub(super) surface: Surface,
     solid: Solid,
 }
 

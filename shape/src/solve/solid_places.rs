@@ -50,6 +50,16 @@ impl SolidPlaces {
         Ok(Self { strikes, heard })
     }
 
+    /// Places of strikes in the order of the positions, metres.
+    pub(super) fn struck(&self) -> impl Iterator<Item = Point> {
+        self.strikes.iter().map(|strike| strike.0)
+    }
+
+    /// Point of the body that is heard, metres; `None` for other readouts.
+    pub(super) fn heard_point(&self) -> Option<Point> {
+        self.heard.map(|heard| heard.0)
+    }
+
     /// Gains of a mode at all positions; ω in rad/s, d in 1/s.
     pub(super) fn gains(
         &self,
