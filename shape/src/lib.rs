@@ -15,3 +15,4 @@ pub mod mesh;
 pub mod outline;
 pub mod solve;
 pub mod table;
+pub mod tune;

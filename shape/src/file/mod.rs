@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 pub use error::FileError;
-pub use material::{MATERIALS, Material, Modulus, NamedMaterial};
+pub use material::{Material, Modulus, NamedMaterial, materials};
 
 /// A shape file, format 1: TOML, lengths in metres.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
