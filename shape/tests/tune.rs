@@ -58,11 +58,11 @@ fn longitudinal_modes_of_a_thick_bar_are_passed_over() {
     // Seven times as long as high: with soft shear the first longitudinal mode lies near the third
     // bending one.
     let text = bar(0.14, 0.02).replace("name = \"rosewood\"", "name = \"steel\"");
-    let tuned = undercut(&text, &[1.0, 3.2, 6.0], None).expect("a bar that can be tuned");
+    let tuned = undercut(&text, &[1.0, 2.9, 5.4], None).expect("a bar that can be tuned");
     let hz = modes(&tuned.text, 5);
     println!("{hz:?}, {:?}", tuned.frequencies_hz);
     let nearest = |wanted: f64| hz.iter().map(|hz| (hz / wanted - 1.0).abs()).fold(f64::MAX, f64::min);
-    assert!([1.0, 3.2, 6.0].iter().all(|ratio| nearest(ratio * hz[0]) < 0.001), "{hz:?}");
+    assert!([1.0, 2.9, 5.4].iter().all(|ratio| nearest(ratio * hz[0]) < 0.001), "{hz:?}");
 }
 
 #[test]
@@ -71,7 +71,7 @@ fn what_no_undercut_can_do_is_named() {
         undercut(text, ratios, hz).expect_err("no undercut does this").to_string()
     };
     let plain = bar(0.3, 0.024);
-    assert!(fails(&plain, &[1.0, 2.2], None).contains("only raises"));
+    assert!(fails(&plain, &[1.0, 2.2], None).contains("cannot be had"));
     assert!(fails(&bar(0.06, 0.024), &[1.0, 4.0, 10.0], None).contains("longer or flatter"));
     for ratios in [&[1.0][..], &[4.0, 1.0], &[1.0, 4.0, 10.0, 20.0], &[1.0, f64::NAN], &[1.0, 1e9]] {
         assert!(fails(&plain, ratios, None).contains("such as 1:4:10"), "{ratios:?}");

@@ -119,6 +119,8 @@ pub struct Strike {
     pub path_m: Option<Vec<[f64; 2]>>,
     /// Number of positions evenly along the path, 1 to 64.
     pub positions: Option<usize>,
+    /// Contact time of the table's mallet at velocity 1, seconds; 0.0005 if missing.
+    pub contact_time_s: Option<f64>,
     /// Direction of a strike in the plane of a sheet; normal to its edge if missing.
     pub direction: Option<[f64; 2]>,
 }

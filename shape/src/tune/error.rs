@@ -33,7 +33,7 @@ pub enum TuneError {
     },
     /// Ratios that no arch of this bar gives.
     #[error(
-        "no undercut of this bar gives {}: the nearest has {} and leaves {:.0} % of its height; give a longer or flatter bar for higher ratios, and note that an undercut only raises them",
+        "no arch was found that gives this bar {}: the nearest gives {} and leaves {:.0} % of its height; give a longer or flatter bar for higher ratios; lower ones than a plain bar's cannot be had",
         shown(asked), shown(reached), 100.0 * thinnest
     )]
     OutOfReach {
