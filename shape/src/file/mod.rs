@@ -119,6 +119,8 @@ pub struct Strike {
     pub path_m: Option<Vec<[f64; 2]>>,
     /// Number of positions evenly along the path, 1 to 64.
     pub positions: Option<usize>,
+    /// Peak force of the table's mallet at velocity 1, newtons; 20 if missing.
+    pub peak_force_n: Option<f64>,
     /// Contact time of the table's mallet at velocity 1, seconds; 0.0005 if missing.
     pub contact_time_s: Option<f64>,
     /// Direction of a strike in the plane of a sheet; normal to its edge if missing.
