@@ -28,10 +28,10 @@ undercut marimba --hz 220
 undercut vibraphone --hz 349.23
 shape glockenspiel --max-hz 20000
 shape woodblock --max-hz 20000
-shape drum --modes 60
-shape heart-drum --modes 60
+shape drum --modes 40
+shape heart-drum --modes 40
 shape bell --modes 40
 shape gong --modes 48
 shape cymbal --modes 60
-shape glass --modes 24
-shape cowbell --modes 40
+shape glass --modes 18
+shape cowbell --modes 18
