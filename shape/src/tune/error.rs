@@ -17,7 +17,9 @@ pub enum TuneError {
     #[error("an undercut is cut into a plain bar; {0}")]
     NoBar(&'static str),
     /// Ratios that are no tuning.
-    #[error("the ratios of an undercut are two or three rising numbers, 1 first, {most} at most: such as 1:4:10 or 1:3")]
+    #[error(
+        "the ratios of an undercut are two or three rising numbers, 1 first, {most} at most: such as 1:4:10 or 1:3"
+    )]
     Ratios {
         /// Highest ratio.
         most: f64,
@@ -26,7 +28,9 @@ pub enum TuneError {
     #[error("a fundamental of {0} Hz is asked for; it must be from 10 to 20000 Hz")]
     Fundamental(f64),
     /// Bar whose bending modes were not found.
-    #[error("the {count} lowest bending modes of the bar were not found: it is too thick; give a longer or flatter bar")]
+    #[error(
+        "the {count} lowest bending modes of the bar were not found: it is too thick; give a longer or flatter bar"
+    )]
     NoBending {
         /// Number of modes.
         count: usize,

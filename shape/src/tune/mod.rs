@@ -102,13 +102,7 @@ pub fn undercut(text: &str, wish: &Wish, tell: &mut dyn FnMut(usize)) -> Result<
         tell((100.0 * (start / left).ln() / (start / TOLERANCE).ln()).clamp(0.0, 99.0) as usize);
         if left <= TOLERANCE {
             let text = text::with(text, &file, &bar)?;
-            return Ok(Tuned {
-                text,
-                frequencies_hz,
-                thinnest_m: bar.thinnest_m(),
-                length_m: bar.length_m(),
-                steps,
-            });
+            return Ok(Tuned { text, frequencies_hz, thinnest_m: bar.thinnest_m(), length_m: bar.length_m(), steps });
         }
         let mut slopes = Vec::new();
         for number in 0..distances.len() {
@@ -139,7 +133,8 @@ fn step(
     let longest = whole.iter().fold(0.0_f64, |longest, change| longest.max(change.abs()));
     let mut share = (LONGEST_STEP / longest.max(f64::MIN_POSITIVE)).min(1.0);
     for _ in 0..HALVINGS {
-        let next = whole.iter().enumerate().fold(bar.clone(), |bar, (number, change)| bar.changed(number, share * change));
+        let next =
+            whole.iter().enumerate().fold(bar.clone(), |bar, (number, change)| bar.changed(number, share * change));
         if next.can_be_cut() {
             let frequencies_hz = heard(&next)?;
             let distances = wish.distances(&frequencies_hz);
@@ -155,7 +150,8 @@ fn step(
 /// Changes that bring the distances to 0 where the slopes hold; `slopes` by number, then distance.
 fn newton(slopes: &[Vec<f64>], distances: &[f64]) -> Vec<f64> {
     let count = distances.len();
-    let slope = |row: usize, column: usize| slopes.get(column).and_then(|slopes| slopes.get(row)).copied().unwrap_or(0.0);
+    let slope =
+        |row: usize, column: usize| slopes.get(column).and_then(|slopes| slopes.get(row)).copied().unwrap_or(0.0);
     let matrix = faer::Mat::from_fn(count, count, slope);
     let right = faer::Mat::from_fn(count, 1, |row, _| -distances.get(row).copied().unwrap_or(0.0));
     let solution = matrix.partial_piv_lu().solve(&right);

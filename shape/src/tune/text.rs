@@ -44,8 +44,7 @@ pub(super) fn with(text: &str, file: &ShapeFile, bar: &Bar) -> Result<String, Tu
         at.iter_mut().take(1).for_each(|x| *x = bar.stretched(*x));
         at
     };
-    let mut changes: Vec<(Range<usize>, String)> =
-        vec![(places.shape.polygon_m.span(), points(&bar.polygon()))];
+    let mut changes: Vec<(Range<usize>, String)> = vec![(places.shape.polygon_m.span(), points(&bar.polygon()))];
     if bar.stretch() != 1.0 {
         if let Some(path) = &places.strike.path_m {
             let path_m = file.strike.path_m.as_deref().unwrap_or(&[]);
