@@ -17,3 +17,4 @@ pub mod solid;
 pub mod solve;
 pub mod surface;
 pub mod table;
+pub mod tune;

@@ -10,12 +10,13 @@ use serde::Serialize;
 
 use super::error::CommandError;
 use super::output::{print, print_json, progress, refuse_input};
+use super::shape_undercut::{self, UndercutReport};
 use crate::arguments::ShapeArguments;
 
 /// Number of modes if none is asked for.
 const MODES: usize = 32;
 /// Steps of the progress bar.
-const STEPS: u64 = 100;
+pub(super) const STEPS: u64 = 100;
 
 /// Failure of `malleus shape`, with the file in which it lies.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +35,8 @@ pub(crate) enum ShapeError {
     Surface { path: PathBuf },
     #[error("{}: the table that damping names has no modes", path.display())]
     NoDecays { path: PathBuf },
+    #[error("{}: {error}", path.display())]
+    Tune { path: PathBuf, error: ::shape::tune::TuneError },
     #[error("{value} {option} is asked for; it must be {range}")]
     Range { option: &'static str, value: f64, range: &'static str },
     #[error("{}: is a file, and --report writes a page into a folder; give a folder", path.display())]
@@ -62,6 +65,9 @@ struct ShapeReport<'a> {
     counted: usize,
     counted_to_hz: f64,
     modes: Vec<ModeReport<'a>>,
+    /// Tuned bar of `--undercut`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    undercut: Option<UndercutReport>,
 }
 
 #[derive(Debug, Serialize)]
@@ -78,13 +84,17 @@ struct ModeReport<'a> {
 
 pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     let (Some(input), Some(output)) = (&arguments.input, &arguments.output) else {
-        return super::shape_benchmarks::run(arguments.error, arguments.json);
+        return match arguments.materials {
+            true => super::shape_materials::run(arguments.json),
+            false => super::shape_benchmarks::run(arguments.error, arguments.json),
+        };
     };
-    refuse_input(output, [input.as_path()])?;
-    if let Some(sound) = &arguments.render {
-        refuse_input(sound, [input.as_path()])?;
-        if sound == output {
-            return Err(CommandError::SameOutput { output: output.clone() });
+    let outputs = [Some(output), arguments.render.as_ref(), arguments.tuned.as_ref()];
+    let outputs: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
+    for (number, written) in outputs.iter().enumerate() {
+        refuse_input(written, [input.as_path()])?;
+        if outputs.iter().take(number).any(|other| other == written) {
+            return Err(CommandError::SameOutput { output: written.to_path_buf() });
         }
     }
     if let Some(folder) = &arguments.report {
@@ -92,6 +102,8 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     }
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
+    let undercut = shape_undercut::find(input, &text, arguments)?;
+    let text = undercut.as_ref().map_or(text, |tuned| tuned.text.clone());
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
     let body = body(input, &file)?;
     let measured = decays(input, &file)?;
@@ -101,9 +113,13 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     });
     bar.finish_and_clear();
     let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
-    let source = input.file_name().unwrap_or_default().to_string_lossy();
-    let table = ::shape::table::of(&solved, &file.name, &format!("{source} (malleus shape)"), &arguments.licence);
+    // The tuned bar's own file is what its table can be made from again.
+    let source = arguments.tuned.as_ref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy();
+    let table = ::shape::table::of(&solved, &file, &format!("{source} (malleus shape)"), &arguments.licence);
     ::kit::binary::build(&table)?;
+    if let Some(tuned) = &arguments.tuned {
+        ::kit::file::write_whole(tuned, text.as_bytes())?;
+    }
     ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
     if let Some(sound) = &arguments.render {
         super::shape_sound::write(
@@ -115,7 +131,8 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     }
     let write_page = |folder: &PathBuf| super::shape_report::write(folder, arguments, &file, table, &solved);
     let page = arguments.report.as_ref().map(write_page).transpose()?;
-    let report = report(input, output, page.as_deref(), &solved);
+    let mut report = report(input, output, page.as_deref(), &solved);
+    report.undercut = undercut.as_ref().map(UndercutReport::of);
     if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
 }
 
@@ -201,6 +218,7 @@ fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: 
         counted: solved.counted,
         counted_to_hz: solved.counted_to_hz,
         modes: solved.modes.iter().map(mode).collect(),
+        undercut: None,
     }
 }
 
@@ -216,6 +234,7 @@ fn as_text(shown: &ShapeReport<'_>) -> String {
         shown.counted_to_hz,
         shown.rigid
     );
+    text += &shown.undercut.as_ref().map_or_else(String::new, UndercutReport::as_text);
     text += "mode  frequency Hz  error %  decay 1/s  largest gain\n";
     for (number, mode) in shown.modes.iter().enumerate() {
         let largest = mode.mode.gains.iter().map(|gain| gain.sine.hypot(gain.cosine)).fold(0.0, f64::max);

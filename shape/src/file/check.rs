@@ -4,6 +4,10 @@ use super::{FileError, Kind, Modulus, Readout, ShapeFile};
 
 /// Maximum number of positions that a table holds.
 const MOST_POSITIONS: usize = 64;
+/// Peak forces that a table holds, newtons.
+const PEAK_FORCES_N: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+/// Contact times that a table holds, seconds.
+const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = 2e-5..=0.1;
 
 impl ShapeFile {
     pub(super) fn check(&self) -> Result<(), FileError> {
@@ -120,6 +124,12 @@ impl ShapeFile {
     fn check_strike(&self) -> Result<(), FileError> {
         if let Some(positions) = self.strike.positions.filter(|&count| count == 0 || count > MOST_POSITIONS) {
             return Err(FileError::Range { key: "strike.positions", value: positions as f64, range: "1 to 64" });
+        }
+        if let Some(value) = self.strike.peak_force_n.filter(|force| !PEAK_FORCES_N.contains(force)) {
+            return Err(FileError::Range { key: "strike.peak_force_n", value, range: "0.000001 to 1000000" });
+        }
+        if let Some(value) = self.strike.contact_time_s.filter(|time| !CONTACT_TIMES_S.contains(time)) {
+            return Err(FileError::Range { key: "strike.contact_time_s", value, range: "0.00002 to 0.1" });
         }
         if self.strike.path_m.as_ref().is_some_and(Vec::is_empty) {
             return Err(missing("strike.path_m", "the path has no point"));

@@ -169,7 +169,7 @@ impl Body {
     }
 
     /// Mesh with edges of at most a length.
-    pub(super) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
+    pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
         let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
@@ -178,7 +178,7 @@ impl Body {
     }
 
     /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.
-    pub(super) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
+    pub(crate) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
         let (material, thickness) = (self.material, self.thickness_m);
         let [tension, density] = self.skin;
         Ok(match self.kind {
@@ -231,11 +231,12 @@ fn material(file: &ShapeFile) -> Result<Material, SolveError> {
     let named = given.named()?;
     let density = given.density_kg_per_m3.or(named.map(|named| named.density_kg_per_m3)).unwrap_or(1.0);
     let poisson = given.poisson.or(named.map(|named| named.poisson)).unwrap_or(0.0);
-    let elasticity = match given.youngs_modulus_pa {
-        None => Elasticity::Isotropic { young: named.map_or(1.0, |named| named.youngs_modulus_pa), poisson },
-        Some(Modulus::All(young)) => Elasticity::Isotropic { young, poisson },
-        Some(Modulus::Grain(young)) => {
-            let shear = given.shear_modulus_pa.unwrap_or(young[1] / (2.0 * (1.0 + poisson)));
+    let modulus = given.youngs_modulus_pa.clone().or(named.map(|named| named.youngs_modulus_pa.clone()));
+    let elasticity = match modulus.unwrap_or(Modulus::All(1.0)) {
+        Modulus::All(young) => Elasticity::Isotropic { young, poisson },
+        Modulus::Grain(young) => {
+            let shear = given.shear_modulus_pa.or(named.and_then(|named| named.shear_modulus_pa));
+            let shear = shear.unwrap_or(young[1] / (2.0 * (1.0 + poisson)));
             let grain = given.grain_deg.to_radians();
             // Shear moduli over the thickness are not in the file: they are those of the plane.
             Elasticity::Orthotropic { young, poisson, shear, transverse: [shear; 2], grain }
