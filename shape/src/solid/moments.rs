@@ -4,8 +4,8 @@
 //! the integral, over its shadow on the y-z plane, of what lies below it in the cell. Triangles are
 //! cut at the faces of the cells, so that all integrands are polynomials.
 
-use super::Grid;
 use super::functions::{MOMENTS, gauss, legendre, legendre_integrals};
+use super::{Grid, ORDER};
 use crate::surface::{Point, Surface, SurfaceError};
 
 /// Number of moments of a cell.
@@ -14,6 +14,12 @@ pub(super) const ALL: usize = MOMENTS * MOMENTS * MOMENTS;
 const FULL: f64 = 1e-10;
 /// Share of a cell that is filled, below which the cell is empty.
 const EMPTY: f64 = 1e-9;
+/// Number of points with which a rule on a triangle is exact: the integrand has degree
+/// 3 · 2 · ORDER + 1, and the map of a square on a triangle adds one.
+const EXACT_POINTS: usize = 3 * ORDER + 2;
+/// Number of points on pieces of less than [`SMALL`] of a cell, exact to 1e-15 there.
+const FEW_POINTS: usize = 6;
+const SMALL: f64 = 0.02;
 
 /// Part of a cell that is inside the body.
 #[derive(Clone, Debug)]
@@ -30,7 +36,7 @@ pub(super) fn of(surface: &Surface, grid: &Grid) -> Result<Vec<Inside>, SurfaceE
         counts: grid.counts,
         moments: vec![None; grid.count()],
         below: vec![None; grid.count()],
-        rules: (0..=10).map(gauss).collect(),
+        rules: [gauss(FEW_POINTS), gauss(EXACT_POINTS)],
     };
     for corners in surface.corners() {
         // The grid ends where the body ends: rounding must not leave a face outside of it.
@@ -46,8 +52,8 @@ struct Sums {
     moments: Vec<Option<Box<[f64; ALL]>>>,
     /// Sums, of pieces in each cell, for whole cells below it along the first axis.
     below: Vec<Option<Box<[f64; MOMENTS * MOMENTS]>>>,
-    /// Gauss's rules by their number of points.
-    rules: Vec<Vec<[f64; 2]>>,
+    /// Gauss's rules for small pieces and for others.
+    rules: [Vec<[f64; 2]>; 2],
 }
 
 impl Sums {
@@ -138,20 +144,15 @@ fn add_triangle(
     below: &mut [f64; MOMENTS * MOMENTS],
     [a, b, c]: [Point; 3],
     sign: f64,
-    rules: &[Vec<[f64; 2]>],
+    rules: &[Vec<[f64; 2]>; 2],
 ) {
     let area = sign * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])).abs();
     let size = (0..3).map(|axis| (b[axis] - a[axis]).abs().max((c[axis] - a[axis]).abs())).fold(0.0, f64::max);
-    // Small pieces need fewer points: polynomials of degree 20 are nearly straight over them.
-    let points = match size {
-        size if size < 0.01 => 2,
-        size if size < 0.05 => 3,
-        size if size < 0.15 => 4,
-        size if size < 0.4 => 6,
-        _ => 10,
-    };
-    for &[along, first] in &rules[points] {
-        for &[across, second] in &rules[points] {
+    // Moments that contradict each other make a stiffness that is not positive: integrals are exact,
+    // on small pieces to rounding.
+    let rule = &rules[usize::from(size >= SMALL)];
+    for &[along, first] in rule {
+        for &[across, second] in rule {
             // A square is mapped on the triangle: one of its edges becomes the corner a.
             let [share_b, share_c] = [along * (1.0 - across), along * across];
             let weight = area * first * second * along;
