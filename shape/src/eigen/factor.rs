@@ -18,6 +18,9 @@ const STEPS: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 /// Takes the factors by supernodes always: faer's constant for it leaves out those without fill.
 const SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
+/// Largest number of entries of a factor: two of them, the matrices and the vectors take 1.8 GB.
+pub(super) const MOST_ENTRIES: usize = 75_000_000;
+
 /// Order of elimination and pattern of the factors of a problem.
 pub(super) struct Plan<'a> {
     problem: &'a Problem,
@@ -49,6 +52,9 @@ impl<'a> Plan<'a> {
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..Default::default() };
         let symbolic = factorize_symbolic_cholesky(pattern(problem), Side::Lower, SymmetricOrdering::Amd, params)
             .map_err(|_| EigenError::Memory)?;
+        if symbolic.len_val() > MOST_ENTRIES {
+            return Err(EigenError::TooLarge { unknowns: problem.size, entries: symbolic.len_val() });
+        }
         Ok(Self { problem, symbolic })
     }
 

@@ -76,6 +76,17 @@ pub enum EigenError {
     /// A pattern that is not a lower triangle by columns, or entries that are not finite.
     #[error("the matrices are not lower triangles by columns with finite entries")]
     Malformed,
+    /// Factors that would take more than 2 GB in all.
+    #[error(
+        "{unknowns} unknowns have factors of {entries} entries, and at most {most} are solved; ask for a larger --error or fewer modes",
+        most = factor::MOST_ENTRIES
+    )]
+    TooLarge {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Number of entries of a factor.
+        entries: usize,
+    },
     /// Too little memory for the factors or the vectors.
     #[error("too little memory for this number of unknowns")]
     Memory,
@@ -132,11 +143,12 @@ impl Problem {
         if sound { Ok(()) } else { Err(EigenError::Malformed) }
     }
 
-    /// Returns the highest ratio of stiffness and mass on the diagonal, (rad/s)²: about the highest
-    /// eigenvalue.
+    /// Returns the ratio of the sums of stiffness and mass on the diagonal, (rad/s)²: a scale of high
+    /// eigenvalues. The highest of all tells less: motions of nearly no mass, as those of a cell
+    /// that the body hardly touches, have any.
     fn scale(&self) -> f64 {
-        let diagonal = self.starts[..self.size].iter();
-        diagonal.map(|&at| self.stiffness[at] / self.mass[at]).fold(0.0, f64::max)
+        let sum = |entries: &[f64]| self.starts[..self.size].iter().map(|&at| entries[at]).sum::<f64>();
+        sum(&self.stiffness) / sum(&self.mass)
     }
 
     /// Multiplies columns by the mass, four at a time: each entry is read once for them.

@@ -16,10 +16,10 @@ const BLOCK: usize = 6;
 /// Residual that a found eigenpair may leave, relative to its θ; the error of θ is its square.
 const LEFT: f64 = 1e-9;
 
-/// First shift, relative to about the highest eigenvalue.
+/// First shift, relative to the scale of high eigenvalues.
 const FIRST_SHIFT: f64 = 1e-8;
 
-/// Limit below which a value counts as zero, relative to about the highest eigenvalue.
+/// Limit below which a value counts as zero, relative to the scale of high eigenvalues.
 const ZERO: f64 = 1e-12;
 
 /// Steps that tell the scale of the lowest eigenvalues.

@@ -7,6 +7,9 @@ use crate::surface::{Point, Surface, cross, dot, minus};
 /// Share by which the box along the principal axes must be smaller than the upright one.
 const SMALLER: f64 = 0.99;
 
+/// Axes of the file.
+const UPRIGHT: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// Grid of equal cells, its axes at right angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -22,14 +25,21 @@ pub struct Grid {
 
 impl Grid {
     /// Makes the grid over a surface whose cells have edges of at most `size_m`, metres; a single cell
-    /// if that is infinite.
+    /// if that is infinite. Its axes are the principal ones if their box is smaller than the upright
+    /// one.
     pub fn over(surface: &Surface, size_m: f64) -> Self {
-        let upright = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let volume = |bounds: &[Point; 2]| (0..3).map(|axis| bounds[1][axis] - bounds[0][axis]).product::<f64>();
-        let principal = principal(surface);
-        let [straight, turned] = [upright, principal].map(|axes| bounds(surface, axes));
-        let is_turned = volume(&turned) < SMALLER * volume(&straight);
-        let (axes, [low, high]) = if is_turned { (principal, turned) } else { (upright, straight) };
+        let volume = |grid: &Self| grid.cell_m3() * grid.count() as f64;
+        let [upright, turned] = [UPRIGHT, principal(surface)].map(|axes| Self::along(surface, axes, size_m));
+        if volume(&turned) < SMALLER * volume(&upright) { turned } else { upright }
+    }
+
+    /// Makes the grid along the axes of the file.
+    pub fn upright(surface: &Surface, size_m: f64) -> Self {
+        Self::along(surface, UPRIGHT, size_m)
+    }
+
+    fn along(surface: &Surface, axes: [Point; 3], size_m: f64) -> Self {
+        let [low, high] = bounds(surface, axes);
         let counts = [0, 1, 2].map(|axis| (((high[axis] - low[axis]) / size_m - 1e-9).ceil() as usize).max(1));
         let edges_m = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / counts[axis] as f64);
         let origin = [0, 1, 2].map(|axis| (0..3).map(|part| low[part] * axes[part][axis]).sum());
@@ -81,7 +91,7 @@ fn principal(surface: &Surface) -> [Point; 3] {
     let (_, second) = surface.second_moments();
     let matrix = Mat::from_fn(3, 3, |row, column| second[row][column]);
     let Ok(found) = matrix.self_adjoint_eigen(Side::Lower) else {
-        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        return UPRIGHT;
     };
     let [long, middle] = [2, 1].map(|column| [0, 1, 2].map(|row| found.U()[(row, column)]));
     // Right-handed, so that triangles keep their sense.

@@ -78,7 +78,7 @@ const FINER: f64 = 0.7;
 const LEAST_GROWTH: f64 = 1.3;
 /// Least number of unknowns of a mesh for each mode that is wanted.
 const LEAST_UNKNOWNS: usize = 6;
-/// Largest number of unknowns: a bound on memory, which was not tried.
+/// Largest number of unknowns, before the size of their factors is known.
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
 const LEAST_ERROR: f64 = 1e-6;

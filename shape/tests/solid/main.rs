@@ -6,8 +6,11 @@ mod truth;
 
 use std::f64::consts::{PI, TAU};
 
+use proptest::prelude::*;
+use shape::eigen;
 use shape::file::ShapeFile;
 use shape::outline::Outline;
+use shape::solid::{Grid, Solid};
 use shape::solve::{self, SolveError, Solved, Wanted};
 use shape::surface::Surface;
 use surfaces::{Mesh, ball, cuboid, cylinder, stl, turned, with_cavity};
@@ -77,6 +80,27 @@ fn tilted_cubes_keep_the_multiplets_that_their_grid_does_not_know() {
     for multiplet in [&found[0..2], &found[2..5], &found[5..8]] {
         let [low, high] = [multiplet[0], multiplet[multiplet.len() - 1]];
         assert!(high / low - 1.0 < 1e-3, "{multiplet:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn cubes_at_any_tilt_have_their_lowest_mode_on_any_grid(
+        angles in [-1.5..1.5, -1.5..1.5, -1.5..1.5_f64],
+        size_m in 0.05..0.18_f64,
+    ) {
+        let (points, triangles) = turned(cuboid([0.1; 3]), angles);
+        let surface = Surface::new(&points, &triangles).unwrap();
+        // Axes of the file, so that faces cut the cells aslant.
+        let grid = Grid::upright(&surface, size_m);
+        let cells = Solid { young: 200e9, poisson: 0.3, density: 8000.0 }.discretise(&surface, &grid).unwrap();
+        prop_assert!((cells.mass_kg - 8.0).abs() < 1e-9, "{} kg", cells.mass_kg);
+        let modes = eigen::modes(&cells.problem, eigen::Wanted::Lowest(7), &mut |_, _| ()).unwrap();
+        let hz = modes.values[6].sqrt() / TAU;
+        prop_assert!((hz / 14_095.0 - 1.0).abs() < 0.1 && hz > 14_090.0, "{hz} Hz on {:?} cells", grid.counts);
+        prop_assert!(modes.values[5].abs() < 1e-6 * modes.values[6], "rigid motions: {:?}", modes.values);
     }
 }
 
