@@ -11,7 +11,7 @@ const WIDTH: f64 = 240.0;
 /// Width of the drawing of the waves round an axis.
 const ROUND_WIDTH: f64 = 96.0;
 /// Largest motion, as a share of the longer extent of a body.
-const LARGEST: f64 = 0.08;
+const LARGEST: f64 = 0.06;
 /// Radius of the circle that shows the waves, in units of the drawing.
 const RADIUS: f64 = 34.0;
 /// Height of the waves, as a share of the radius.

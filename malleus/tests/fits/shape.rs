@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// Bar of docs/shape.md.
-const BAR: &str = r#"
+pub(crate) const BAR: &str = r#"
 format = 1
 name = "bar"
 [shape]
@@ -23,13 +23,13 @@ readout = "velocity"
 at_m = [0.2, 0.0]
 "#;
 
-fn with_bar() -> TempDir {
+pub(crate) fn with_bar() -> TempDir {
     let folder = TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("bar.toml"), BAR).expect("the folder is writable");
     folder
 }
 
-fn shape(folder: &Path, words: &str) -> Output {
+pub(crate) fn shape(folder: &Path, words: &str) -> Output {
     let program = Command::new(env!("CARGO_BIN_EXE_malleus"))
         .current_dir(folder)
         .arg("shape")
