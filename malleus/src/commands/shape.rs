@@ -27,7 +27,7 @@ pub(crate) enum ShapeError {
     Read { path: PathBuf, cause: std::io::Error },
     #[error("{}: the file is no text in UTF-8; give a shape file", path.display())]
     NoText { path: PathBuf },
-    #[error("{}: the outline is no .svg file; draw it as a closed path of an SVG file, or give polygon_m", path.display())]
+    #[error("{}: the outline is no .svg or .png file; draw it as a closed path of an SVG file or as a dark shape of a PNG file, or give polygon_m", path.display())]
     Outline { path: PathBuf },
     #[error("{}: the table that damping names has no modes", path.display())]
     NoDecays { path: PathBuf },
@@ -129,20 +129,24 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
     })
 }
 
-/// Outline of the file's polygon or SVG file.
+/// Outline of the file's polygon, SVG file or PNG file.
 fn outline(input: &Path, file: &ShapeFile) -> Result<Outline, ShapeError> {
     let in_file = |error| ShapeError::Solve { path: input.to_owned(), error: solve::SolveError::Outline(error) };
     let Some(name) = &file.shape.outline else {
         return Outline::polygon(file.corners_m().unwrap_or(&[]), &file.shape.holes_m).map_err(in_file);
     };
     let path = input.parent().unwrap_or(Path::new("")).join(name);
-    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
-        return Err(ShapeError::Outline { path });
-    }
-    let text = std::fs::read_to_string(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
+    let ends_in = |ending: &str| path.extension().is_some_and(|given| given.eq_ignore_ascii_case(ending));
+    let unreadable = |cause| ShapeError::Read { path: path.clone(), cause };
     let unit_m = file.shape.unit_m.unwrap_or(1.0);
-    Outline::from_svg(&text, unit_m)
-        .map_err(|error| ShapeError::Solve { path, error: solve::SolveError::Outline(error) })
+    let outline = if ends_in("svg") {
+        Outline::from_svg(&std::fs::read_to_string(&path).map_err(unreadable)?, unit_m)
+    } else if ends_in("png") {
+        Outline::from_png(&std::fs::read(&path).map_err(unreadable)?, unit_m)
+    } else {
+        return Err(ShapeError::Outline { path });
+    };
+    outline.map_err(|error| ShapeError::Solve { path: path.clone(), error: solve::SolveError::Outline(error) })
 }
 
 /// Frequency and decay of the modes of the table that `damping` names.

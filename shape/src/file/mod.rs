@@ -71,9 +71,9 @@ pub struct Shape {
     pub profile_m: Option<Vec<[f64; 2]>>,
     /// Distance of the frequencies of a pair of a body of revolution, as a share of them.
     pub split: Option<f64>,
-    /// SVG file with the outline, beside the shape file.
+    /// SVG or PNG file with the outline, beside the shape file.
     pub outline: Option<PathBuf>,
-    /// Metres of a unit of the SVG file.
+    /// Metres of a unit of the SVG file, or of a pixel of the PNG file.
     pub unit_m: Option<f64>,
     /// Corners of each hole, metres.
     #[serde(default)]
