@@ -36,7 +36,7 @@ pub(super) fn revolve(figure: &Figure, motion: &Motion, label: &str) -> String {
     let [low, high] = bounds(figure.points.iter().copied());
     let (plan, factor) = room(figure, motion, [0, 2], [[-high[0], low[1]], high]);
     // The motion at the other end of a diameter has the sign of an even or odd number of waves.
-    let opposite = if motion.waves % 2 == 0 { 1.0 } else { -1.0 };
+    let opposite = if motion.waves.is_multiple_of(2) { 1.0 } else { -1.0 };
     let shifted = |at: usize, by: f64| {
         let [radial, _, axial] = motion.at[at].map(f64::from);
         [figure.points[at][0] + by * radial, figure.points[at][1] + by * axial]

@@ -247,3 +247,52 @@ fn table(page: &ShapePage<'_>) -> String {
         "<h2>All modes</h2>\n<div class=\"scroll\"><table>\n<tr><th>mode</th><th>frequency</th><th>estimated error</th><th>decay</th><th>T60</th><th>level, at the loudest position</th></tr>\n{rows}</table></div>\n"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use shape::gain::Gain;
+
+    use super::*;
+
+    #[test]
+    fn page_of_a_body_without_a_picture_has_its_sounds_charts_and_modes() {
+        let mode = Mode {
+            frequency_hz: 440.0,
+            error: 1e-4,
+            decay_per_s: 0.0,
+            gains: vec![Gain { sine: 0.0, cosine: 1.0 }, Gain::default()],
+        };
+        let solved = Solved {
+            modes: vec![mode],
+            rigid: 6,
+            counted: 7,
+            counted_to_hz: 441.0,
+            unknowns: 100,
+            triangles: 0,
+            mass_kg: 0.1,
+            meshes: vec![],
+            figure: None,
+        };
+        let sounds = [vec![0.0; 480], vec![0.5; 480]];
+        let page = ShapePage {
+            name: "block",
+            file: "block.toml",
+            table: "block-table.toml",
+            kind: Kind::Plate,
+            material: None,
+            error: 1e-3,
+            solved: &solved,
+            sounds: &sounds,
+            rate_hz: 48_000.0,
+        };
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let path = folder.path().join("index.html");
+        write_shape_page(&path, &page).expect("written");
+        let html = std::fs::read_to_string(&path).expect("there");
+        assert!(is_shape_page(&html) && !html.contains("The body") && !html.contains(">inf"));
+        assert_eq!(html.matches("<audio").count(), 2);
+        // Without damping, and on one mesh, there are levels, gains and estimates alone.
+        assert_eq!(html.matches("<svg").count(), 3);
+        assert!(html.contains("440.00 Hz") && html.contains("no end"));
+    }
+}
