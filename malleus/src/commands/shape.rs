@@ -29,7 +29,7 @@ pub(crate) enum ShapeError {
     Read { path: PathBuf, cause: std::io::Error },
     #[error("{}: the file is no text in UTF-8; give a shape file", path.display())]
     NoText { path: PathBuf },
-    #[error("{}: the outline is no .svg file; draw it as a closed path of an SVG file, or give polygon_m", path.display())]
+    #[error("{}: the outline is no .svg or .png file; draw it as a closed path of an SVG file or as a dark shape of a PNG file, or give polygon_m", path.display())]
     Outline { path: PathBuf },
     #[error("{}: the surface is no .stl or .obj file", path.display())]
     Surface { path: PathBuf },
@@ -180,6 +180,7 @@ fn body(input: &Path, file: &ShapeFile) -> Result<Body, ShapeError> {
         (true, Some("svg")) => {
             Outline::from_svg(&String::from_utf8_lossy(&bytes), unit_m).map(Body::Outline).map_err(SolveError::from)
         }
+        (true, Some("png")) => Outline::from_png(&bytes, unit_m).map(Body::Outline).map_err(SolveError::from),
         (true, _) => return Err(ShapeError::Outline { path }),
         (false, Some("stl")) => Surface::from_stl(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),
         (false, Some("obj")) => Surface::from_obj(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),

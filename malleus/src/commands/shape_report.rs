@@ -17,8 +17,9 @@ use crate::arguments::ShapeArguments;
 /// # Errors
 /// [`ShapeError`] if the folder is a file, or holds another page under the same name.
 pub(super) fn check(folder: &Path) -> Result<(), ShapeError> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(ShapeError::ReportIsFile { path: folder.to_owned() });
+    let there = folder.ancestors().find(|folder| folder.exists());
+    if let Some(file) = there.filter(|folder| !folder.is_dir()) {
+        return Err(ShapeError::ReportIsFile { path: file.to_owned() });
     }
     let page = folder.join(SHAPE_PAGE_FILE);
     let is_other = page.exists() && !std::fs::read_to_string(&page).is_ok_and(|html| is_shape_page(&html));

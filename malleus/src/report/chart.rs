@@ -9,7 +9,7 @@ const WIDTH: f64 = 480.0;
 /// Height of a chart in its own units.
 const HEIGHT: f64 = 280.0;
 /// Left edge of the area with the data.
-const LEFT: f64 = 48.0;
+const LEFT: f64 = 56.0;
 /// Right edge of the area with the data.
 const RIGHT: f64 = 468.0;
 /// Upper edge of the area with the data.
@@ -50,6 +50,13 @@ impl Axis {
         let ticks = kept.iter().filter(|step| !many || is_power_of_ten(**step)).map(|step| (*step, plain(*step)));
         let (low, high) = (kept.first().copied().unwrap_or(low), kept.last().copied().unwrap_or(high));
         Self { low, high, logarithmic: true, ticks: ticks.collect(), label }
+    }
+
+    /// Writes ticks from a thousand on in thousands, which takes less room: "20k".
+    pub(super) fn in_thousands(mut self) -> Self {
+        let large = self.ticks.iter_mut().filter(|tick| tick.0 >= 1e3);
+        large.for_each(|tick| tick.1 = format!("{}k", plain(tick.0 / 1e3)));
+        self
     }
 
     /// Creates a linear axis with about six round ticks at most.

@@ -11,7 +11,7 @@ const WIDTH: f64 = 240.0;
 /// Width of the drawing of the waves round an axis.
 const ROUND_WIDTH: f64 = 96.0;
 /// Largest motion, as a share of the longer extent of a body.
-const LARGEST: f64 = 0.08;
+const LARGEST: f64 = 0.06;
 /// Radius of the circle that shows the waves, in units of the drawing.
 const RADIUS: f64 = 34.0;
 /// Height of the waves, as a share of the radius.
@@ -36,7 +36,7 @@ pub(super) fn revolve(figure: &Figure, motion: &Motion, label: &str) -> String {
     let [low, high] = bounds(figure.points.iter().copied());
     let (plan, factor) = room(figure, motion, [0, 2], [[-high[0], low[1]], high]);
     // The motion at the other end of a diameter has the sign of an even or odd number of waves.
-    let opposite = if motion.waves % 2 == 0 { 1.0 } else { -1.0 };
+    let opposite = if motion.waves.is_multiple_of(2) { 1.0 } else { -1.0 };
     let shifted = |at: usize, by: f64| {
         let [radial, _, axial] = motion.at[at].map(f64::from);
         [figure.points[at][0] + by * radial, figure.points[at][1] + by * axial]

@@ -1,19 +1,24 @@
 //! Charts of the modes of a shape: levels, gains along the path, decays, and errors.
 
-use shape::solve::{Mode, Solved};
+use shape::file::Kind;
+use shape::gain::Gain;
+use shape::solve::{Mode, Solved, Tried};
 
 use super::chart::{Axis, Chart};
 
 /// Range of levels that is shown, in dB below the loudest mode.
 const RANGE_DB: f64 = 80.0;
+/// Least gain of a mode that is drawn along the path, as a share of the loudest mode's.
+const HEARD: f64 = 1e-3;
 /// Colours of modes along the path.
 const CLASSES: [&str; 5] = ["fit", "recording", "law", "noise", "room"];
-/// Lowest error and change that is shown, percent.
-const LEAST_PERCENT: f64 = 1e-5;
+/// Lowest error and change that is shown, percent; smaller ones lie there, too.
+const LEAST_PERCENT: f64 = 1e-3;
 
 /// All charts that have something to show.
-pub(super) fn charts(solved: &Solved, error: f64) -> String {
-    let charts = [levels(solved), along_path(solved), decays(solved), Some(estimates(solved, error)), meshes(solved)];
+pub(super) fn charts(solved: &Solved, kind: Kind, error: f64) -> String {
+    let charts =
+        [levels(solved), along_path(solved), decays(solved), Some(estimates(solved, kind, error)), meshes(solved)];
     charts.into_iter().flatten().collect()
 }
 
@@ -33,7 +38,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 
 fn frequency(solved: &Solved) -> Axis {
     let [low, high] = range(solved.modes.iter().map(|mode| mode.frequency_hz));
-    Axis::decades(low, high, "frequency, Hz")
+    Axis::decades(low, high, "frequency, Hz").in_thousands()
 }
 
 /// Chart of the level of each mode; `None` if no mode is heard.
@@ -58,26 +63,21 @@ fn levels(solved: &Solved) -> Option<String> {
     Some(chart.figure())
 }
 
-/// Chart of the gains of the loudest modes along the path; `None` if there is one position.
+/// Chart of the gains of the lowest modes along the path; `None` if there is one position.
 fn along_path(solved: &Solved) -> Option<String> {
-    let mut modes: Vec<&Mode> = solved.modes.iter().filter(|mode| mode.gains.len() > 1).collect();
-    modes.sort_by(|a, b| largest_gain(b).total_cmp(&largest_gain(a)));
-    modes.truncate(CLASSES.len());
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    let loudest = solved.modes.iter().map(largest_gain).fold(0.0, f64::max);
+    let is_heard = |mode: &&Mode| mode.gains.len() > 1 && largest_gain(mode) > HEARD * loudest;
+    let modes: Vec<&Mode> = solved.modes.iter().filter(is_heard).take(CLASSES.len()).collect();
     let largest = modes.iter().map(|mode| largest_gain(mode)).fold(0.0, f64::max);
     let last = modes.first()?.gains.len() as f64;
-    if largest == 0.0 {
-        return None;
-    }
-    let axis = Axis::linear(-1.05, 1.05, "share of the largest gain");
-    let mut chart =
-        Chart::new("Gain by position, of the loudest modes", Axis::linear(1.0, last, "position of the strike"), axis);
+    // The larger of both parts, with its sign.
+    let share = |gain: &Gain| (if gain.sine.abs() > gain.cosine.abs() { gain.sine } else { gain.cosine }) / largest;
+    let lowest = modes.iter().flat_map(|mode| &mode.gains).map(share).fold(0.0, f64::min);
+    let axis = Axis::linear(if lowest < 0.0 { -1.05 } else { 0.0 }, 1.05, "share of the largest gain");
+    let positions = Axis::linear(1.0, last, "position of the strike");
+    let mut chart = Chart::new("Gain by position, of the lowest modes that are heard", positions, axis);
     for (class, mode) in CLASSES.into_iter().zip(modes) {
         chart.explain(class, &hertz(mode.frequency_hz));
-        // The larger of both parts, with its sign.
-        let share = |gain: &shape::gain::Gain| {
-            (if gain.sine.abs() > gain.cosine.abs() { gain.sine } else { gain.cosine }) / largest
-        };
         chart.line(class, mode.gains.iter().enumerate().map(|(index, gain)| (1.0 + index as f64, share(gain))));
     }
     Some(chart.figure())
@@ -101,7 +101,7 @@ fn decays(solved: &Solved) -> Option<String> {
 }
 
 /// Chart of the estimated error of each mode.
-fn estimates(solved: &Solved, error: f64) -> String {
+fn estimates(solved: &Solved, kind: Kind, error: f64) -> String {
     let percent = |share: f64| (100.0 * share).max(LEAST_PERCENT);
     let [low, high] = range(solved.modes.iter().map(|mode| percent(mode.error)).chain([percent(error)]));
     let last = solved.modes.len() as f64;
@@ -110,7 +110,7 @@ fn estimates(solved: &Solved, error: f64) -> String {
         Axis::linear(0.0, last + 1.0, "mode, from the lowest"),
         Axis::decades(low, high, "error, %"),
     );
-    chart.explain("fit", "estimate");
+    chart.explain("fit", if kind == Kind::Plate { "estimate, mesh and theory of plates" } else { "estimate" });
     chart.explain("mark", "asked for");
     chart.level("mark", 0.0, last + 1.0, percent(error));
     for (index, mode) in solved.modes.iter().enumerate() {
@@ -121,7 +121,7 @@ fn estimates(solved: &Solved, error: f64) -> String {
 
 /// Chart of the change of the frequencies from mesh to mesh; `None` if there was one mesh.
 fn meshes(solved: &Solved) -> Option<String> {
-    let changes = |pair: &[shape::solve::Tried]| {
+    let changes = |pair: &[Tried]| {
         let both = pair[0].frequencies_hz.iter().zip(&pair[1].frequencies_hz);
         both.map(|(before, after)| (100.0 * (before - after).abs() / after).max(LEAST_PERCENT)).collect::<Vec<f64>>()
     };
@@ -134,7 +134,7 @@ fn meshes(solved: &Solved) -> Option<String> {
     let [fewest, most] = range(solved.meshes.iter().map(|mesh| mesh.unknowns as f64));
     let mut chart = Chart::new(
         "Change of the frequencies from mesh to mesh",
-        Axis::decades(fewest, most, "unknowns of the finer mesh"),
+        Axis::decades(fewest, most, "unknowns of the finer mesh").in_thousands(),
         Axis::decades(low, high, "change, %"),
     );
     chart.explain("fit", "largest");

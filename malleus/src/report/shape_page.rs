@@ -73,7 +73,7 @@ pub fn write_shape_page(path: &Path, page: &ShapePage<'_>) -> Result<(), ReportE
         body += &format!("<h2>The body</h2>\n{}", picture(page, figure));
         body += &figures(path, page, figure)?;
     }
-    body += &format!("<h2>Modes</h2>\n<div class=\"charts\">\n{}</div>\n", charts(page.solved, page.error));
+    body += &format!("<h2>Modes</h2>\n<div class=\"charts\">\n{}</div>\n", charts(page.solved, page.kind, page.error));
     body += &table(page);
     let html = document(&format!("{}: shape", page.name), &body);
     Ok(kit::file::write_whole(path, html.as_bytes())?)
@@ -96,26 +96,25 @@ fn tiles(page: &ShapePage<'_>) -> String {
         values.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], value| [low.min(value), high.max(value)])
     };
     let ([lowest, highest], [shortest, longest]) = (ends(|mode| mode.frequency_hz), ends(t60_s));
-    let long = if longest.is_finite() { format!("{} s", significant(longest)) } else { "no end".to_owned() };
+    let end = |t60_s: f64| if t60_s.is_finite() { significant(t60_s) + " s" } else { "no end".to_owned() };
+    let t60 = if shortest < longest { format!("{} to {}", end(shortest), end(longest)) } else { end(longest) };
     let tiles = [
         ("Mass", grams(solved.mass_kg)),
         ("Modes", solved.modes.len().to_string()),
         ("Frequencies", format!("{} to {}", hertz(lowest), hertz(highest))),
-        ("T60", format!("{} s to {long}", significant(shortest))),
+        ("T60", t60),
         ("Largest estimated error", format!("{:.3} %", 100.0 * ends(|mode| mode.error)[1])),
         ("Unknowns", solved.unknowns.to_string()),
         ("Elements", solved.elements.to_string()),
-        (
-            "Counted by inertia",
-            format!("{} below {}, {} of them rigid motions", solved.counted, hertz(solved.counted_to_hz), solved.rigid),
-        ),
+        ("Rigid motions, left out", solved.rigid.to_string()),
+        ("Counted by inertia, rigid ones too", format!("{} below {}", solved.counted, hertz(solved.counted_to_hz))),
     ];
     let tiles: String = tiles.iter().map(|(term, value)| tile(term, value)).collect();
     format!("<dl class=\"tiles\">\n{tiles}</dl>\n")
 }
 
 fn grams(mass_kg: f64) -> String {
-    if mass_kg < 1.0 { format!("{:.3} g", 1e3 * mass_kg) } else { format!("{mass_kg:.3} kg") }
+    if mass_kg < 1.0 { format!("{:.1} g", 1e3 * mass_kg) } else { format!("{mass_kg:.3} kg") }
 }
 
 fn players(path: &Path, page: &ShapePage<'_>) -> Result<String, ReportError> {
@@ -124,9 +123,11 @@ fn players(path: &Path, page: &ShapePage<'_>) -> Result<String, ReportError> {
         let uri =
             sound_uri(sound, page.rate_hz).map_err(|cause| ReportError::Sound { path: path.to_owned(), cause })?;
         let name = format!("Position {}", index + 1);
+        let strike = page.solved.figure.as_ref().and_then(|figure| figure.strikes.get(index));
+        let place = strike.map_or_else(String::new, |[x, y]| format!("{:.1}, {:.1} mm", 1e3 * x, 1e3 * y));
         let _ = writeln!(
             players,
-            "<div>{name}<audio controls preload=\"auto\" src=\"{uri}\" aria-label=\"{name}\"></audio></div>"
+            "<div>{name} <span class=\"muted\">{place}</span><audio controls preload=\"auto\" src=\"{uri}\" aria-label=\"{name}\"></audio></div>"
         );
     }
     Ok(format!(
@@ -144,20 +145,14 @@ fn picture(page: &ShapePage<'_>, figure: &Figure) -> String {
     let rim: String = figure.rim.iter().map(|row| plan.along(row.iter().map(|&at| figure.points[at]))).collect();
     let mut body = format!("<path class=\"mesh\" d=\"{mesh}\"/><path class=\"rim\" d=\"{rim}\"/>");
     let mut legend = String::from("<span class=\"key fit\">strikes</span> ");
-    let last = figure.strikes.len().saturating_sub(1);
-    for (index, &strike) in figure.strikes.iter().enumerate() {
-        let [x, y] = plan.place(strike);
+    let places: Vec<[f64; 2]> = figure.strikes.iter().map(|&strike| plan.place(strike)).collect();
+    for [x, y] in &places {
         let _ = write!(body, "<circle class=\"dot fit\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>");
-        // Numbers between the first and the last one would overlap.
-        if index == 0 || index == last {
-            let (anchor, beside) = if x > plan.size[0] / 2.0 { ("end", x - 6.0) } else { ("start", x + 6.0) };
-            let above = if y < 20.0 { y + 16.0 } else { y - 6.0 };
-            let _ = write!(
-                body,
-                "<text class=\"word\" text-anchor=\"{anchor}\" x=\"{beside:.1}\" y=\"{above:.1}\">{}</text>",
-                index + 1
-            );
-        }
+    }
+    // Numbers between the first and the last one would overlap.
+    if let [first, .., last] = places[..] {
+        body += &number(1, first, last, plan.size);
+        body += &number(places.len(), last, first, plan.size);
     }
     if let Some(heard) = figure.heard {
         let [x, y] = plan.place(heard);
@@ -169,11 +164,22 @@ fn picture(page: &ShapePage<'_>, figure: &Figure) -> String {
         if page.kind == Kind::Revolve { "Profile and mesh; the axis is to the left" } else { "Outline and mesh" };
     let left_out = if is_drawn { "" } else { "; the mesh is too fine to be drawn" };
     format!(
-        "<div class=\"charts\"><figure><figcaption><strong>{what}</strong> {} &times; {}{left_out} {legend}</figcaption>{}</figure></div>\n",
+        "<figure class=\"body\"><figcaption><strong>{what}</strong> {} &times; {}{left_out} {legend}</figcaption>{}</figure>\n",
         length(high[0] - low[0]),
         length(high[1] - low[1]),
         drawing(plan.size, what, &body)
     )
+}
+
+/// Number of a strike beside its dot, away from the other end of the path if the drawing has room.
+fn number(number: usize, at: [f64; 2], other: [f64; 2], size: [f64; 2]) -> String {
+    let way = [at[0] - other[0], at[1] - other[1]];
+    let long = way[0].hypot(way[1]).max(f64::MIN_POSITIVE);
+    let beside =
+        [way.map(|x| x / long), [0.0, -1.0], [0.0, 1.0]].map(|to| [at[0] + 13.0 * to[0], at[1] + 13.0 * to[1]]);
+    let has_room = |&[x, y]: &[f64; 2]| x > 6.0 && x < size[0] - 6.0 && y > 8.0 && y < size[1] - 8.0;
+    let [x, y] = beside.into_iter().find(has_room).unwrap_or(at);
+    format!("<text class=\"word\" text-anchor=\"middle\" x=\"{x:.1}\" y=\"{:.1}\">{number}</text>", y + 4.0)
 }
 
 fn length(metres: f64) -> String {
@@ -241,4 +247,53 @@ fn table(page: &ShapePage<'_>) -> String {
     format!(
         "<h2>All modes</h2>\n<div class=\"scroll\"><table>\n<tr><th>mode</th><th>frequency</th><th>estimated error</th><th>decay</th><th>T60</th><th>level, at the loudest position</th></tr>\n{rows}</table></div>\n"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use shape::gain::Gain;
+
+    use super::*;
+
+    #[test]
+    fn page_of_a_body_without_a_picture_has_its_sounds_charts_and_modes() {
+        let mode = Mode {
+            frequency_hz: 440.0,
+            error: 1e-4,
+            decay_per_s: 0.0,
+            gains: vec![Gain { sine: 0.0, cosine: 1.0 }, Gain::default()],
+        };
+        let solved = Solved {
+            modes: vec![mode],
+            rigid: 6,
+            counted: 7,
+            counted_to_hz: 441.0,
+            unknowns: 100,
+            triangles: 0,
+            mass_kg: 0.1,
+            meshes: vec![],
+            figure: None,
+        };
+        let sounds = [vec![0.0; 480], vec![0.5; 480]];
+        let page = ShapePage {
+            name: "block",
+            file: "block.toml",
+            table: "block-table.toml",
+            kind: Kind::Plate,
+            material: None,
+            error: 1e-3,
+            solved: &solved,
+            sounds: &sounds,
+            rate_hz: 48_000.0,
+        };
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let path = folder.path().join("index.html");
+        write_shape_page(&path, &page).expect("written");
+        let html = std::fs::read_to_string(&path).expect("there");
+        assert!(is_shape_page(&html) && !html.contains("The body") && !html.contains(">inf"));
+        assert_eq!(html.matches("<audio").count(), 2);
+        // Without damping, and on one mesh, there are levels, gains and estimates alone.
+        assert_eq!(html.matches("<svg").count(), 3);
+        assert!(html.contains("440.00 Hz") && html.contains("no end"));
+    }
 }

@@ -5,8 +5,10 @@
 mod cores;
 mod descent;
 mod dynamic_filter;
+mod page;
 mod prior;
 mod report;
 mod shape;
+mod shape_report;
 mod strikes_report;
 mod surface;

@@ -8,6 +8,8 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
+use crate::page::{assert_sounds_play, assert_well_formed_and_self_contained, findings, list, read, tags};
+
 /// Writes a strike of three modes as 16-bit WAV, 0.7 s at 44.1 kHz.
 fn strike(path: &Path, frequencies_hz: [f64; 3]) {
     fs::create_dir_all(path.parent().expect("a folder")).expect("can be made");
@@ -71,65 +73,6 @@ impl Fitted {
     }
 }
 
-/// Tag of a page.
-pub(crate) struct Tag {
-    pub(crate) name: String,
-    pub(crate) closes: bool,
-    pub(crate) attributes: Vec<(String, String)>,
-}
-
-/// All tags of a page in order, except those in scripts and styles.
-pub(crate) fn tags(html: &str) -> Vec<Tag> {
-    let mut tags = Vec::new();
-    let mut rest = html;
-    while let Some((_, after)) = rest.split_once('<') {
-        let (inside, following) = after.split_once('>').expect("each tag ends");
-        rest = following;
-        let closes = inside.starts_with('/');
-        let inside = inside.trim_start_matches('/').trim_end_matches('/');
-        let (name, mut fields) = inside.split_once(' ').unwrap_or((inside, ""));
-        let mut attributes = Vec::new();
-        while let Some((key, after)) = fields.split_once("=\"") {
-            let (value, following) = after.split_once('"').expect("each value ends");
-            attributes.push((key.trim().to_owned(), value.to_owned()));
-            fields = following;
-        }
-        if ["script", "style"].contains(&name) && !closes {
-            rest = rest.split_once(&format!("</{name}>")).expect("it ends").1;
-            continue;
-        }
-        tags.push(Tag { name: name.to_owned(), closes, attributes });
-    }
-    tags
-}
-
-/// Elements that have no end tag.
-const VOID: [&str; 6] = ["!DOCTYPE", "meta", "link", "path", "image", "circle"];
-
-pub(crate) fn assert_well_formed_and_self_contained(html: &str) {
-    let mut open: Vec<String> = Vec::new();
-    for tag in tags(html) {
-        for (key, value) in &tag.attributes {
-            if ["src", "href", "action", "poster", "srcset", "data"].contains(&key.as_str()) {
-                assert!(value.starts_with("data:") || value.starts_with("./"), "{} {key}={value:.60}", tag.name);
-            }
-        }
-        if tag.closes {
-            assert_eq!(open.pop(), Some(tag.name));
-        } else if !VOID.contains(&tag.name.as_str()) && tag.name != "rect" {
-            open.push(tag.name);
-        }
-    }
-    assert!(open.is_empty(), "{open:?} are not closed");
-    for address in ["http://", "https://", "@import", "url("] {
-        assert!(!html.contains(address), "{address}");
-    }
-}
-
-pub(crate) fn read(path: &Path) -> String {
-    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
 #[test]
 fn each_recording_has_a_page_that_is_well_formed_and_self_contained() {
     let fitted = Fitted::new();
@@ -171,71 +114,6 @@ fn each_recording_has_a_page_that_is_well_formed_and_self_contained() {
     assert!(index.contains("./one-hit.html") && index.contains("./two-hit.html") && index.contains("bell.html"));
 }
 
-/// Script that plays the page's sounds, decodes its pictures, and writes its findings into the
-/// page.
-const FINDS: &str = r#"<script>
-const blocked = [];
-document.addEventListener("securitypolicyviolation", event => blocked.push(event.blockedURI));
-(async () => {
-  const sounds = [];
-  for (const sound of document.querySelectorAll("audio")) {
-    let played = "yes";
-    try { await sound.play(); } catch (error) { played = String(error); }
-    sounds.push({ played, duration: sound.duration, error: sound.error && sound.error.message });
-    sound.pause();
-  }
-  const pictures = [];
-  for (const picture of document.querySelectorAll("svg image")) {
-    const image = new Image();
-    image.src = picture.getAttribute("href");
-    await image.decode();
-    pictures.push(image.naturalWidth);
-  }
-  const charts = [...document.querySelectorAll("svg")].map(chart => chart.getBoundingClientRect().height);
-  const score = document.querySelector(".blind output");
-  const [play, ...answers] = document.querySelectorAll(".blind button");
-  answers[0].click();
-  const counts = [score.textContent];
-  for (const answer of answers) {
-    play.click();
-    answer.click();
-    counts.push(score.textContent);
-    answer.click();
-  }
-  const outside = performance.getEntriesByType("resource").map(entry => entry.name).filter(name => !name.startsWith("data:"));
-  const found = { sounds, pictures, charts, counts, outside, blocked, wide: document.documentElement.scrollWidth - innerWidth };
-  const note = document.createElement("pre");
-  note.id = "found";
-  note.textContent = JSON.stringify(found);
-  document.body.append(note);
-})();
-</script>
-</body>"#;
-
-/// Findings that the script wrote into the page.
-///
-/// A browser on a busy machine may end before the script does, so that it is run up to three times.
-fn dump(browser: &str, window: &str, probe: &Path) -> String {
-    let mut said = String::new();
-    for _ in 0..3 {
-        let profile = TempDir::new().expect("a folder");
-        let shown = Command::new(browser)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--mute-audio", "--no-first-run"])
-            .args(["--autoplay-policy=no-user-gesture-required", "--virtual-time-budget=20000", "--dump-dom", window])
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg(format!("file://{}", probe.display()))
-            .output()
-            .expect("the browser runs");
-        let dom = String::from_utf8_lossy(&shown.stdout);
-        let found = dom.split_once("<pre id=\"found\">").and_then(|(_, found)| found.split_once("</pre>"));
-        if let Some((found, _)) = found {
-            return found.to_owned();
-        }
-        said = String::from_utf8_lossy(&shown.stderr).into_owned();
-    }
-    panic!("the page's script did not end: {said}")
-}
-
 /// Asserts that the blind comparison counted two answers, of which the first said "the recording"
 /// and the second "the fit", and none that came without a sound.
 fn assert_counts_answers(counts: &[serde_json::Value], found: &serde_json::Value) {
@@ -251,7 +129,6 @@ fn assert_counts_answers(counts: &[serde_json::Value], found: &serde_json::Value
 #[test]
 #[cfg_attr(not(has_chromium), ignore = "needs Chromium; the page is checked by parsing alone, in the other tests")]
 fn page_in_a_browser_shows_its_pictures_plays_its_sounds_and_fetches_nothing() {
-    let browser = option_env!("CHROMIUM").unwrap_or("chromium");
     let folder = TempDir::new().expect("a folder");
     let input = folder.path().join("mug.wav");
     strike(&input, [440.0, 1230.0, 2750.0]);
@@ -260,30 +137,12 @@ fn page_in_a_browser_shows_its_pictures_plays_its_sounds_and_fetches_nothing() {
         malleus(&[&input], &["--modes", "8", "-o", &table.to_string_lossy(), "--report", &pages.to_string_lossy()]);
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let html = read(&pages.join("mug.html"));
-    let probe = folder.path().join("probe.html");
-    fs::write(&probe, html.replace("</body>", FINDS)).expect("written");
-    // A wide window, and one as narrow as a phone.
-    for window in ["--window-size=1200,900", "--window-size=500,900"] {
-        let found = dump(browser, window, &probe);
-        let found: serde_json::Value =
-            serde_json::from_str(&found.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")).expect("JSON");
-        let list = |name: &str| found[name].as_array().expect("a list").clone();
-        assert!(list("sounds").len() >= 2, "{found}");
-        for sound in list("sounds") {
-            assert_eq!(sound["played"], "yes", "{found}");
-            assert!(sound["duration"].as_f64().is_some_and(|seconds| (0.6..0.7).contains(&seconds)), "{found}");
-            assert!(sound["error"].is_null(), "{found}");
-        }
-        assert!(
-            list("pictures").len() >= 2 && list("pictures").iter().all(|width| width.as_u64() == Some(640)),
-            "{found}"
-        );
-        assert!(
-            list("charts").len() >= 7 && list("charts").iter().all(|height| height.as_f64() > Some(150.0)),
-            "{found}"
-        );
-        assert_counts_answers(&list("counts"), &found);
-        assert!(list("outside").is_empty() && list("blocked").is_empty(), "{found}");
-        assert!(found["wide"].as_f64() <= Some(0.0), "the page is wider than its window: {found}");
+    for found in findings(&html) {
+        assert!(list(&found, "sounds").len() >= 2, "{found}");
+        assert_sounds_play(&found, 0.6..0.7);
+        let (pictures, charts) = (list(&found, "pictures"), list(&found, "charts"));
+        assert!(pictures.len() >= 2 && pictures.iter().all(|width| width.as_u64() == Some(640)), "{found}");
+        assert!(charts.len() >= 7 && charts.iter().all(|height| height.as_f64() > Some(150.0)), "{found}");
+        assert_counts_answers(&list(&found, "counts"), &found);
     }
 }

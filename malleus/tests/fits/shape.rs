@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// Bar of docs/shape.md.
-const BAR: &str = r#"
+pub(crate) const BAR: &str = r#"
 format = 1
 name = "bar"
 [shape]
@@ -23,13 +23,13 @@ readout = "velocity"
 at_m = [0.2, 0.0]
 "#;
 
-fn with_bar() -> TempDir {
+pub(crate) fn with_bar() -> TempDir {
     let folder = TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("bar.toml"), BAR).expect("the folder is writable");
     folder
 }
 
-fn shape(folder: &Path, words: &str) -> Output {
+pub(crate) fn shape(folder: &Path, words: &str) -> Output {
     let program = Command::new(env!("CARGO_BIN_EXE_malleus"))
         .current_dir(folder)
         .arg("shape")
@@ -80,6 +80,12 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         "outline = \"o.svg\"\nunit_m = 0.001",
     );
     std::fs::write(folder.path().join("o.svg"), "<svg xmlns=\"http://www.w3.org/2000/svg\"/>").expect("a drawing");
+    write(
+        "pictured.toml",
+        "polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]",
+        "outline = \"o.png\"\nunit_m = 0.001",
+    );
+    std::fs::write(folder.path().join("o.png"), "no picture").expect("a file");
     for (words, reason) in [
         ("absent.toml -o t.toml", "cannot be read"),
         ("bar.toml -o bar.toml", "would be lost"),
@@ -90,6 +96,7 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         ("thick.toml -o t.toml", "that is no plate"),
         ("millimetres.toml -o t.toml", "lengths are in metres"),
         ("drawn.toml -o t.toml", "o.svg"),
+        ("pictured.toml -o t.toml", "not readable as PNG"),
     ] {
         let done = shape(folder.path(), words);
         let message = String::from_utf8_lossy(&done.stderr);

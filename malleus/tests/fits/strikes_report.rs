@@ -8,7 +8,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use tempfile::TempDir;
 
-use crate::report::{assert_well_formed_and_self_contained, malleus, read, tags};
+use crate::page::{assert_well_formed_and_self_contained, read, tags};
+use crate::report::malleus;
 
 /// Writes a sound as 24-bit WAV.
 pub(crate) fn write_recording(path: &Path, sound: &[f64]) {

@@ -42,7 +42,7 @@ impl ShapeFile {
                 return Err(missing("shape.surface", "an STL or OBJ file, or polygon_m with thickness_m"));
             }
             (None, None) if is_round => return Err(missing("shape.profile_m", "the profile as [radius, height]")),
-            (None, None) => return Err(missing("shape.polygon_m", "or outline, an SVG file")),
+            (None, None) => return Err(missing("shape.polygon_m", "or outline, an SVG or PNG file")),
             (Some(_), Some(_)) => return Err(FileError::Keys("give corners or shape.outline, not both")),
             (None, Some(_)) if shape.unit_m.is_none() => {
                 return Err(missing("shape.unit_m", "metres of a unit of the outline's file"));

@@ -73,11 +73,12 @@ pub struct Shape {
     pub profile_m: Option<Vec<[f64; 2]>>,
     /// Distance of the frequencies of a pair of a body of revolution, as a share of them.
     pub split: Option<f64>,
-    /// SVG file with the outline, beside the shape file.
+    /// SVG or PNG file with the outline, beside the shape file.
     pub outline: Option<PathBuf>,
     /// Surface of a solid, an STL or OBJ file beside the shape file.
     pub surface: Option<PathBuf>,
-    /// Metres of a unit of the outline's or the surface's file; that of a surface is 1 if missing.
+    /// Metres of a unit of the outline's or the surface's file, or of a pixel of a PNG file; that of
+    /// a surface is 1 if missing.
     pub unit_m: Option<f64>,
     /// Corners of each hole, metres.
     #[serde(default)]

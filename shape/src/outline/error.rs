@@ -125,6 +125,38 @@ pub enum OutlineError {
         /// Message of the reader.
         reason: String,
     },
+    /// A file that is no PNG picture.
+    #[error("the picture is not readable as PNG: save it again as PNG with 8 or 16 bits a channel")]
+    Png,
+    /// A picture with more pixels than are traced.
+    #[error("the picture has {width} x {height} pixels, and at most {most} are traced: scale it down")]
+    LargePicture {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// Maximum number of pixels.
+        most: usize,
+    },
+    /// A picture without anything dark or opaque.
+    #[error("the picture has no shape: draw it dark on white, or opaque on a transparent ground")]
+    NoShape,
+    /// A shape that the border of its picture cuts off.
+    #[error(
+        "the shape touches the picture's border at column {}, row {}: leave a margin around it", at[0], at[1]
+    )]
+    OpenPicture {
+        /// Column and row of a pixel, from the upper left corner, 0 being the first.
+        at: [usize; 2],
+    },
+    /// A picture whose border has too many corners.
+    #[error("the picture's shape has {corners} corners, and at most {most} are meshed: smooth or clean the picture")]
+    ManyCorners {
+        /// Number of corners.
+        corners: usize,
+        /// Maximum number of corners.
+        most: usize,
+    },
     /// A unit that is not a positive length.
     #[error("a unit of {unit_m} m is no length: give metres per unit of the drawing, 0.001 for millimetres")]
     BadUnit {

@@ -3,7 +3,9 @@
 mod arc;
 pub(crate) mod check;
 mod error;
+mod png;
 pub(crate) mod side;
+mod simple;
 mod svg;
 
 pub use error::OutlineError;
