@@ -29,17 +29,13 @@ fn modes(text: &str, count: usize) -> Vec<f64> {
 
 #[test]
 fn undercut_bar_has_the_ratios_of_a_marimba() {
-    for (length, height) in [(0.36, 0.022), (0.30, 0.024)] {
-        let started = std::time::Instant::now();
-        let tuned = undercut(&bar(length, height), &[1.0, 4.0, 10.0], None).expect("a bar that can be tuned");
-        println!("{:.1} s, {tuned:?}", started.elapsed().as_secs_f64());
-        let hz = modes(&tuned.text, 4);
-        let off = [4.0, 10.0].iter().zip(&hz[1..]).map(|(ratio, hz_n)| (hz_n / hz[0] / ratio - 1.0).abs());
-        let worst = off.fold(0.0, f64::max);
-        println!("{hz:?}: {:.4} % from 1 : 4 : 10; {:.1} s", 100.0 * worst, started.elapsed().as_secs_f64());
-        assert!(worst < 0.001, "{hz:?}");
-        assert!(tuned.text.contains("format = 1 # a bar"), "{}", tuned.text);
-    }
+    let tuned = undercut(&bar(0.30, 0.024), &[1.0, 4.0, 10.0], None).expect("a bar that can be tuned");
+    let hz = modes(&tuned.text, 4);
+    let off = [4.0, 10.0].iter().zip(&hz[1..]).map(|(ratio, found)| (found / hz[0] / ratio - 1.0).abs());
+    let worst = off.fold(0.0, f64::max);
+    println!("{hz:?}: {:.4} % from 1 : 4 : 10 after {} steps", 100.0 * worst, tuned.steps);
+    assert!(worst < 0.0001, "{hz:?}");
+    assert!(tuned.text.contains("format = 1 # a bar"), "{}", tuned.text);
 }
 
 #[test]
@@ -61,8 +57,9 @@ fn longitudinal_modes_of_a_thick_bar_are_passed_over() {
     let tuned = undercut(&text, &[1.0, 2.9, 5.4], None).expect("a bar that can be tuned");
     let hz = modes(&tuned.text, 5);
     println!("{hz:?}, {:?}", tuned.frequencies_hz);
-    let nearest = |wanted: f64| hz.iter().map(|hz| (hz / wanted - 1.0).abs()).fold(f64::MAX, f64::min);
-    assert!([1.0, 2.9, 5.4].iter().all(|ratio| nearest(ratio * hz[0]) < 0.001), "{hz:?}");
+    // The third mode is the longitudinal one.
+    assert!((hz[1] / hz[0] / 2.9 - 1.0).abs() < 0.001 && (hz[3] / hz[0] / 5.4 - 1.0).abs() < 0.001, "{hz:?}");
+    assert!((hz[2] / hz[0] / 5.4 - 1.0).abs() > 0.1, "{hz:?}");
 }
 
 #[test]

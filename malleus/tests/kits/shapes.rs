@@ -37,7 +37,7 @@ fn play(kit: &kit::Kit, performance: &Performance) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn each_body_has_over_105_db_of_snr_to_the_reference() {
+fn each_body_has_115_db_of_snr_to_the_reference() {
     let kit = shapes();
     assert!(kit.pads.len() >= 10, "{} pads", kit.pads.len());
     for (index, pad) in kit.pads.iter().enumerate() {
@@ -56,7 +56,7 @@ fn each_body_has_over_105_db_of_snr_to_the_reference() {
         let error: f64 = expected.iter().flatten().zip(got.iter().flatten()).map(|(a, b)| (a - b).powi(2)).sum();
         let snr_db = 10.0 * (power / error).log10();
         println!("{}: {snr_db:.1} dB", pad.name);
-        assert!(snr_db >= 105.0, "{}: {snr_db:.1} dB", pad.name);
+        assert!(snr_db >= 115.0, "{}: {snr_db:.1} dB", pad.name);
     }
 }
 
@@ -115,6 +115,10 @@ fn strike_at_the_node_of_mode_1_is_40_db_softer_in_it_than_at_the_antinode() {
             amplitude(&samples, f64::from(mode.frequency_hz))
         };
         let place = node(mode);
+        if name == "glockenspiel" {
+            // Free bars have the node of mode 1 at 0.2242 of their length from an end.
+            assert!((f64::from(place) - (1.0 - 2.0 * 0.2242)).abs() < 0.006, "{place}");
+        }
         let [antinode, node] = [sound(0.0), sound(place)];
         let difference_db = 20.0 * (antinode / node).log10();
         println!("{name}: {difference_db:.1} dB between the middle and the node at {place:.4}");

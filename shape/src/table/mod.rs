@@ -2,7 +2,7 @@
 
 use kit::{Acceleration, Kit, Mode, Object, Pulse, Striker, item_name};
 
-use crate::file::ShapeFile;
+use crate::file::{Readout, ShapeFile};
 use crate::solve::Solved;
 
 /// Peak force of the table's striker at velocity 1, N, if the file has none.
@@ -13,8 +13,8 @@ const CONTACT_TIME_S: f64 = 5e-4;
 const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
 
 /// The object and a mallet as a kit without pads. The object has the solved gains, in
-/// output/(N s), and the mallet's peak force as reference force; decays are cut to 0.01 to 20 000 1/s, which the
-/// format holds.
+/// output/(N s), and the mallet's peak force as reference force. Decays are cut to 0.01 to 20 000
+/// 1/s, which the format holds. A table of pressures is balanced.
 pub fn of(solved: &Solved, file: &ShapeFile, source: &str, licence: &str) -> Kit {
     let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
     let modes = solved.modes.iter().map(|mode| Mode {
@@ -31,7 +31,12 @@ pub fn of(solved: &Solved, file: &ShapeFile, source: &str, licence: &str) -> Kit
             source: source.to_owned(),
             licence: licence.to_owned(),
             reference_force: peak_force,
-            acceleration: Acceleration::Factor(0.0),
+            acceleration: match file.sound.readout {
+                // The pressure follows the acceleration, whose share at the force itself takes the
+                // static response away. A velocity has none.
+                Readout::Pressure => Acceleration::Balance,
+                Readout::Velocity | Readout::Even => Acceleration::Factor(0.0),
+            },
             modes: modes.collect(),
             residual: None,
             dynamic_filter: None,

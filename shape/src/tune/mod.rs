@@ -1,9 +1,9 @@
 //! Undercut of a bar: the arch in its lower side that tunes its first modes, as makers of marimbas
 //! and xylophones cut it.
 //!
-//! The bar is a sheet seen from its side. With one number for each ratio the arch changes its shape,
-//! and the length is cut to a pitch if one is asked for. Newton steps on the logarithms of the
-//! frequencies find these numbers; each frequency is that of the tuned outline by finite elements.
+//! The bar is a sheet seen from its side. The arch has one number for each ratio, and the length is
+//! cut to a pitch if one is asked for. Newton steps on the logarithms of the frequencies find these
+//! numbers; each frequency is that of the tuned outline by finite elements.
 
 mod arch;
 mod bending;
@@ -84,7 +84,8 @@ impl Wish {
     }
 }
 
-/// Finds the undercut of the bar in a shape file's text. `tell` gets the share of the way in percent.
+/// Finds the undercut of the bar in a shape file's text. `tell` gets the share of the way in
+/// percent.
 ///
 /// # Errors
 /// A [`TuneError`] that says what no arch can do, or why the file is no bar.
