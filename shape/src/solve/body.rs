@@ -188,7 +188,9 @@ impl Body {
         let (material, thickness) = (self.material, self.thickness_m);
         let [tension, density] = self.skin;
         Ok(match self.kind {
-            Kind::Plate => Plate { material, thickness, swells: self.swells }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Plate => {
+                Plate { material, thickness, swells: self.swells }.discretise(mesh, ORDER, &self.supports)?
+            }
             Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Revolve => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,

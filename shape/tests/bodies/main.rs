@@ -4,6 +4,7 @@
 mod truth;
 
 mod boxes;
+mod pairs;
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,6 +14,13 @@ use shape::solve::{self, SolveError, Solved, Wanted};
 
 /// Material of the tests: E 200 GPa, ν 0.3, ρ 8000 kg/m³, without damping.
 pub(crate) const METAL: &str = "density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0";
+
+/// Drawing of a circle of radius 1.
+pub(crate) const DISC: &str =
+    r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
+/// Profile of a sphere of radius 1.
+pub(crate) const SPHERE: &str =
+    r#"<svg xmlns="http://www.w3.org/2000/svg" width="2" height="2"><path d="M0,0 A1,1 0 0,1 0,2 Z"/></svg>"#;
 
 pub(crate) fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Result<Solved, SolveError> {
     let file = ShapeFile::parse(text)?;
