@@ -3,5 +3,7 @@
 // Each test program takes a part of it.
 #![allow(dead_code)]
 
+pub(crate) mod bessel;
+pub(crate) mod kirchhoff;
 pub(crate) mod line;
 pub(crate) mod ritz;
