@@ -20,6 +20,7 @@ const KITS: &[Shipped] = &[
     Shipped { name: "filters", text: include_str!("../../tables/filters.toml") },
     Shipped { name: "scrapes", text: include_str!("../../tables/scrapes.toml") },
     Shipped { name: "priors", text: include_str!("../../tables/priors.toml") },
+    Shipped { name: "shapes", text: include_str!("../../tables/shapes.toml") },
 ];
 
 /// Tables that shipped kits include, each with the name of its file.
@@ -63,6 +64,17 @@ const TABLES: &[(&str, &str)] = &[
     ("priors/cymbal.toml", include_str!("../../tables/priors/cymbal.toml")),
     ("priors/claves.toml", include_str!("../../tables/priors/claves.toml")),
     ("priors/glass.toml", include_str!("../../tables/priors/glass.toml")),
+    ("shapes/drum.toml", include_str!("../../tables/shapes/drum.toml")),
+    ("shapes/heart-drum.toml", include_str!("../../tables/shapes/heart-drum.toml")),
+    ("shapes/marimba.toml", include_str!("../../tables/shapes/marimba.toml")),
+    ("shapes/vibraphone.toml", include_str!("../../tables/shapes/vibraphone.toml")),
+    ("shapes/glockenspiel.toml", include_str!("../../tables/shapes/glockenspiel.toml")),
+    ("shapes/bell.toml", include_str!("../../tables/shapes/bell.toml")),
+    ("shapes/gong.toml", include_str!("../../tables/shapes/gong.toml")),
+    ("shapes/cymbal.toml", include_str!("../../tables/shapes/cymbal.toml")),
+    ("shapes/glass.toml", include_str!("../../tables/shapes/glass.toml")),
+    ("shapes/woodblock.toml", include_str!("../../tables/shapes/woodblock.toml")),
+    ("shapes/cowbell.toml", include_str!("../../tables/shapes/cowbell.toml")),
 ];
 
 /// Names of the shipped kits.

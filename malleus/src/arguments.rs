@@ -74,7 +74,7 @@ pub(crate) struct DemoArguments {
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
     /// Kit: a .toml or .bin file, or the name of a shipped kit (demo, recorded, filters, scrapes,
-    /// priors)
+    /// priors, shapes)
     #[arg(long)]
     pub(crate) kit: String,
     /// Events: a Standard MIDI File, or CSV in UTF-8 with the columns

@@ -13,5 +13,8 @@ pub mod file;
 pub mod gain;
 pub mod mesh;
 pub mod outline;
+pub mod solid;
 pub mod solve;
+pub mod surface;
 pub mod table;
+pub mod tune;

@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 
 use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
-use ::shape::solve::{self, Solved, Wanted};
+use ::shape::solve::{self, Geometry, SolveError, Solved, Wanted};
+use ::shape::surface::Surface;
 use serde::Serialize;
 
 use super::error::CommandError;
 use super::output::{print, print_json, progress, refuse_input};
+use super::shape_undercut::{self, UndercutReport};
 use crate::arguments::ShapeArguments;
 
 /// Number of modes if none is asked for.
 const MODES: usize = 32;
 /// Steps of the progress bar.
-const STEPS: u64 = 100;
+pub(super) const STEPS: u64 = 100;
 
 /// Failure of `malleus shape`, with the file in which it lies.
 #[derive(Debug, thiserror::Error)]
@@ -29,10 +31,18 @@ pub(crate) enum ShapeError {
     NoText { path: PathBuf },
     #[error("{}: the outline is no .svg file; draw it as a closed path of an SVG file, or give polygon_m", path.display())]
     Outline { path: PathBuf },
+    #[error("{}: the surface is no .stl or .obj file", path.display())]
+    Surface { path: PathBuf },
     #[error("{}: the table that damping names has no modes", path.display())]
     NoDecays { path: PathBuf },
+    #[error("{}: {error}", path.display())]
+    Tune { path: PathBuf, error: ::shape::tune::TuneError },
     #[error("{value} {option} is asked for; it must be {range}")]
     Range { option: &'static str, value: f64, range: &'static str },
+    #[error("{}: is a file, and --report writes a page into a folder; give a folder", path.display())]
+    ReportIsFile { path: PathBuf },
+    #[error("{}: is the page of something else and would be lost; give --report another folder", path.display())]
+    OtherPage { path: PathBuf },
     #[error(transparent)]
     Benchmark(#[from] solve::SolveError),
 }
@@ -42,17 +52,22 @@ pub(crate) enum ShapeError {
 struct ShapeReport<'a> {
     input: &'a Path,
     table: &'a Path,
+    /// Path of the page, if one was asked for.
+    page: Option<&'a Path>,
     /// Mass of the body, kg.
     mass_kg: f64,
-    /// Number of unknowns and triangles of the finest mesh.
+    /// Number of unknowns, and of triangles or cells, of the finest mesh.
     unknowns: usize,
-    triangles: usize,
+    elements: usize,
     /// Number of rigid motions, which are left out.
     rigid: usize,
     /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
     counted: usize,
     counted_to_hz: f64,
     modes: Vec<ModeReport<'a>>,
+    /// Tuned bar of `--undercut`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    undercut: Option<UndercutReport>,
 }
 
 #[derive(Debug, Serialize)]
@@ -69,34 +84,55 @@ struct ModeReport<'a> {
 
 pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     let (Some(input), Some(output)) = (&arguments.input, &arguments.output) else {
-        return super::shape_benchmarks::run(arguments.error, arguments.json);
+        return match arguments.materials {
+            true => super::shape_materials::run(arguments.json),
+            false => super::shape_benchmarks::run(arguments.error, arguments.json),
+        };
     };
-    refuse_input(output, [input.as_path()])?;
-    if let Some(sound) = &arguments.render {
-        refuse_input(sound, [input.as_path()])?;
-        if sound == output {
-            return Err(CommandError::SameOutput { output: output.clone() });
+    let outputs = [Some(output), arguments.render.as_ref(), arguments.tuned.as_ref()];
+    let outputs: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
+    for (number, written) in outputs.iter().enumerate() {
+        refuse_input(written, [input.as_path()])?;
+        if outputs.iter().take(number).any(|other| other == written) {
+            return Err(CommandError::SameOutput { output: written.to_path_buf() });
         }
+    }
+    if let Some(folder) = &arguments.report {
+        super::shape_report::check(folder)?;
     }
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
+    let undercut = shape_undercut::find(input, &text, arguments)?;
+    let text = undercut.as_ref().map_or(text, |tuned| tuned.text.clone());
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
-    let outline = outline(input, &file)?;
+    let body = body(input, &file)?;
     let measured = decays(input, &file)?;
     let bar = progress(STEPS, "finding the modes");
-    let solved = solve::solve(&file, &outline, measured, wanted(arguments)?, arguments.error, &mut |step| {
+    let solved = solve::solve(&file, body.geometry(), measured, wanted(arguments)?, arguments.error, &mut |step| {
         bar.set_position(step as u64);
     });
     bar.finish_and_clear();
     let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
-    let source = input.file_name().unwrap_or_default().to_string_lossy();
-    let table = ::shape::table::of(&solved, &file.name, &format!("{source} (malleus shape)"), &arguments.licence);
+    // The tuned bar's own file is what its table can be made from again.
+    let source = arguments.tuned.as_ref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy();
+    let table = ::shape::table::of(&solved, &file, &format!("{source} (malleus shape)"), &arguments.licence);
     ::kit::binary::build(&table)?;
+    if let Some(tuned) = &arguments.tuned {
+        ::kit::file::write_whole(tuned, text.as_bytes())?;
+    }
     ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
     if let Some(sound) = &arguments.render {
-        super::shape_sound::write(sound, output, table, solved.modes.first().map_or(1, |mode| mode.gains.len()))?;
+        super::shape_sound::write(
+            sound,
+            output,
+            table.clone(),
+            solved.modes.first().map_or(1, |mode| mode.gains.len()),
+        )?;
     }
-    let report = report(input, output, &solved);
+    let write_page = |folder: &PathBuf| super::shape_report::write(folder, arguments, &file, table, &solved);
+    let page = arguments.report.as_ref().map(write_page).transpose()?;
+    let mut report = report(input, output, page.as_deref(), &solved);
+    report.undercut = undercut.as_ref().map(UndercutReport::of);
     if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
 }
 
@@ -113,20 +149,43 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
     })
 }
 
-/// Outline of the file's polygon or SVG file.
-fn outline(input: &Path, file: &ShapeFile) -> Result<Outline, ShapeError> {
-    let in_file = |error| ShapeError::Solve { path: input.to_owned(), error: solve::SolveError::Outline(error) };
-    let Some(name) = &file.shape.outline else {
-        return Outline::polygon(file.corners_m().unwrap_or(&[]), &file.shape.holes_m).map_err(in_file);
-    };
-    let path = input.parent().unwrap_or(Path::new("")).join(name);
-    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg")) {
-        return Err(ShapeError::Outline { path });
+/// Outline or surface that a file gives or names.
+enum Body {
+    Outline(Outline),
+    Surface(Surface),
+}
+
+impl Body {
+    fn geometry(&self) -> Geometry<'_> {
+        match self {
+            Self::Outline(outline) => outline.into(),
+            Self::Surface(surface) => surface.into(),
+        }
     }
-    let text = std::fs::read_to_string(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
+}
+
+fn body(input: &Path, file: &ShapeFile) -> Result<Body, ShapeError> {
+    let in_file = |error| ShapeError::Solve { path: input.to_owned(), error };
+    if file.shape.outline.is_none() && file.shape.surface.is_none() {
+        let corners = file.corners_m().unwrap_or(&[]);
+        let outline = Outline::polygon(corners, &file.shape.holes_m).map_err(SolveError::from);
+        return outline.map(Body::Outline).map_err(in_file);
+    }
+    let name = file.shape.outline.as_ref().or(file.shape.surface.as_ref());
+    let path = input.parent().unwrap_or(Path::new("")).join(name.map_or(Path::new(""), PathBuf::as_path));
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let bytes = std::fs::read(&path).map_err(|cause| ShapeError::Read { path: path.clone(), cause })?;
     let unit_m = file.shape.unit_m.unwrap_or(1.0);
-    Outline::from_svg(&text, unit_m)
-        .map_err(|error| ShapeError::Solve { path, error: solve::SolveError::Outline(error) })
+    let read = match (file.shape.outline.is_some(), ending.to_str()) {
+        (true, Some("svg")) => {
+            Outline::from_svg(&String::from_utf8_lossy(&bytes), unit_m).map(Body::Outline).map_err(SolveError::from)
+        }
+        (true, _) => return Err(ShapeError::Outline { path }),
+        (false, Some("stl")) => Surface::from_stl(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),
+        (false, Some("obj")) => Surface::from_obj(&bytes, unit_m).map(Body::Surface).map_err(SolveError::from),
+        (false, _) => return Err(ShapeError::Surface { path }),
+    };
+    read.map_err(|error| ShapeError::Solve { path, error })
 }
 
 /// Frequency and decay of the modes of the table that `damping` names.
@@ -139,7 +198,7 @@ fn decays(input: &Path, file: &ShapeFile) -> Result<Vec<[f64; 2]>, CommandError>
     if decays.is_empty() { Err(ShapeError::NoDecays { path }.into()) } else { Ok(decays) }
 }
 
-fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeReport<'a> {
+fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: &'a Solved) -> ShapeReport<'a> {
     let mode = |mode: &'a solve::Mode| ModeReport {
         frequency_hz: mode.frequency_hz,
         error: mode.error,
@@ -151,28 +210,31 @@ fn report<'a>(input: &'a Path, table: &'a Path, solved: &'a Solved) -> ShapeRepo
     ShapeReport {
         input,
         table,
+        page,
         mass_kg: solved.mass_kg,
         unknowns: solved.unknowns,
-        triangles: solved.triangles,
+        elements: solved.elements,
         rigid: solved.rigid,
         counted: solved.counted,
         counted_to_hz: solved.counted_to_hz,
         modes: solved.modes.iter().map(mode).collect(),
+        undercut: None,
     }
 }
 
 fn as_text(shown: &ShapeReport<'_>) -> String {
     let mut text = format!(
-        "{}: {} modes of a body of {:.3} g; {} unknowns in {} triangles; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
+        "{}: {} modes of a body of {:.3} g; {} unknowns in {} elements; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
         shown.table.display(),
         shown.modes.len(),
         1e3 * shown.mass_kg,
         shown.unknowns,
-        shown.triangles,
+        shown.elements,
         shown.counted,
         shown.counted_to_hz,
         shown.rigid
     );
+    text += &shown.undercut.as_ref().map_or_else(String::new, UndercutReport::as_text);
     text += "mode  frequency Hz  error %  decay 1/s  largest gain\n";
     for (number, mode) in shown.modes.iter().enumerate() {
         let largest = mode.mode.gains.iter().map(|gain| gain.sine.hypot(gain.cosine)).fold(0.0, f64::max);
@@ -184,6 +246,9 @@ fn as_text(shown: &ShapeReport<'_>) -> String {
             mode.decay_per_s,
             largest
         );
+    }
+    if let Some(page) = shown.page {
+        text += &format!("page: {}\n", page.display());
     }
     text
 }

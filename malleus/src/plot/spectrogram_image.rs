@@ -45,7 +45,8 @@ pub fn spectrogram_pngs(
                 rgb.extend([colour.red, colour.green, colour.blue]);
             }
         }
-        encode(&rgb, columns, rows).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
+        encode(&rgb, columns, rows, png::ColorType::Rgb)
+            .map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
     });
     encoded.collect()
 }
@@ -64,17 +65,24 @@ pub fn signed_png(path: &Path, columns: u32, rows: u32, at: impl Fn(u32, u32) ->
             rgb.extend(if value > 0.0 { [255, faded, faded] } else { [faded, faded, 255] });
         }
     }
-    encode(&rgb, columns, rows).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
+    encode(&rgb, columns, rows, png::ColorType::Rgb)
+        .map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
 }
 
-fn encode(rgb: &[u8], columns: u32, rows: u32) -> Result<Vec<u8>, png::EncodingError> {
+/// Encodes pixels of 8 bits a channel as PNG.
+pub(super) fn encode(
+    pixels: &[u8],
+    columns: u32,
+    rows: u32,
+    colour: png::ColorType,
+) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, columns, rows);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
+    writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(bytes)
 }

@@ -42,7 +42,7 @@ impl Axis {
     /// ten.
     pub(super) fn decades(low: f64, high: f64, label: &'static str) -> Self {
         let steps: Vec<f64> =
-            (-5..5).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade))).collect();
+            (-6..7).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade))).collect();
         let first = steps.iter().rposition(|step| *step <= low).unwrap_or(0);
         let last = steps.iter().position(|step| *step >= high).unwrap_or(steps.len() - 1).max(first + 1);
         let kept = steps.get(first..=last.min(steps.len() - 1)).unwrap_or(&[]);

@@ -6,4 +6,5 @@ mod filters;
 mod levels;
 mod priors;
 mod recorded;
+mod shapes;
 mod whole_sound;

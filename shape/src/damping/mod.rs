@@ -32,12 +32,16 @@ impl Damping {
         if let Some(factor) = material.loss_factor {
             return Self::LossFactor(factor);
         }
-        let named = material.named().ok().flatten();
-        let is_given = material.rayleigh_alpha_per_s.is_some() || material.rayleigh_beta_s.is_some();
-        let named = named.filter(|_| !is_given);
-        Self::Rayleigh {
-            alpha_per_s: named.map_or(material.rayleigh_alpha_per_s.unwrap_or(0.0), |named| named.rayleigh_alpha_per_s),
-            beta_s: named.map_or(material.rayleigh_beta_s.unwrap_or(0.0), |named| named.rayleigh_beta_s),
+        let (alpha_per_s, beta_s) = (material.rayleigh_alpha_per_s, material.rayleigh_beta_s);
+        if alpha_per_s.is_some() || beta_s.is_some() {
+            return Self::Rayleigh { alpha_per_s: alpha_per_s.unwrap_or(0.0), beta_s: beta_s.unwrap_or(0.0) };
+        }
+        match material.named().ok().flatten() {
+            None => Self::Rayleigh { alpha_per_s: 0.0, beta_s: 0.0 },
+            Some(named) => named.loss_factor.map_or(
+                Self::Rayleigh { alpha_per_s: named.rayleigh_alpha_per_s, beta_s: named.rayleigh_beta_s },
+                Self::LossFactor,
+            ),
         }
     }
 

@@ -70,11 +70,6 @@ impl<'a> Plan<'a> {
         self.positive(&self.shifted(shift)?)
     }
 
-    /// Checks that the mass is positive definite.
-    pub(super) fn check_mass(&self) -> Result<(), EigenError> {
-        self.positive(&self.problem.mass).map(|_| ())
-    }
-
     fn positive(&self, entries: &[f64]) -> Result<Cholesky<'_>, EigenError> {
         let symbolic = &self.symbolic;
         let mut values = zeros(symbolic.len_val())?;

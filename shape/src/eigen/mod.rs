@@ -24,7 +24,7 @@ pub struct Problem {
     pub rows: Vec<usize>,
     /// Entries of the stiffness K; positive semidefinite.
     pub stiffness: Vec<f64>,
-    /// Entries of the mass M; positive definite.
+    /// Entries of the mass M; positive semidefinite, and K positive definite where M is zero.
     pub mass: Vec<f64>,
 }
 
@@ -62,8 +62,8 @@ pub enum EigenError {
         /// Number of modes asked for.
         wanted: usize,
     },
-    /// A mass that is not positive definite, or a stiffness with a negative eigenvalue.
-    #[error("the mass is not positive definite, or the stiffness has a negative eigenvalue")]
+    /// A mass or a stiffness with a negative eigenvalue, or motions with neither.
+    #[error("the mass or the stiffness has a negative eigenvalue, or some motion has neither")]
     NotPositive,
     /// Modes that the search did not find though the inertia counts them.
     #[error("only {found} of {counted} modes found")]
@@ -92,7 +92,6 @@ pub fn modes(problem: &Problem, wanted: Wanted, progress: &mut dyn FnMut(usize, 
         return Err(EigenError::TooFew { size: problem.size, wanted: number });
     }
     let plan = Plan::new(problem)?;
-    plan.check_mass()?;
     match wanted {
         Wanted::Lowest(number) => search::lowest(&plan, number, f64::INFINITY, progress),
         Wanted::Below(limit) => {
@@ -106,7 +105,6 @@ pub fn modes(problem: &Problem, wanted: Wanted, progress: &mut dyn FnMut(usize, 
 pub fn count_below(problem: &Problem, limit: f64) -> Result<usize, EigenError> {
     problem.check()?;
     let plan = Plan::new(problem)?;
-    plan.check_mass()?;
     plan.count_below(limit)
 }
 

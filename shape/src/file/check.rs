@@ -4,6 +4,10 @@ use super::{FileError, Kind, Modulus, Readout, ShapeFile};
 
 /// Maximum number of positions that a table holds.
 const MOST_POSITIONS: usize = 64;
+/// Peak forces that a table holds, newtons.
+const PEAK_FORCES_N: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+/// Contact times that a table holds, seconds.
+const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = 2e-5..=0.1;
 
 impl ShapeFile {
     pub(super) fn check(&self) -> Result<(), FileError> {
@@ -27,7 +31,19 @@ impl ShapeFile {
         if let Some(value) = shape.split.filter(|split| !(0.0..0.1).contains(split)) {
             return Err(FileError::Range { key: "shape.split", value, range: "0 or above, and below 0.1" });
         }
+        if shape.surface.is_some() {
+            if shape.kind != Kind::Solid {
+                return Err(FileError::Keys("shape.surface is that of a solid: set shape.kind = \"solid\""));
+            }
+            if shape.polygon_m.is_some() || shape.outline.is_some() || shape.thickness_m.is_some() {
+                return Err(FileError::Keys("a solid has shape.surface, or an outline with thickness_m, not both"));
+            }
+        }
         match (self.corners_m(), &shape.outline) {
+            (None, None) if shape.surface.is_some() => {}
+            (None, None) if shape.kind == Kind::Solid => {
+                return Err(missing("shape.surface", "an STL or OBJ file, or polygon_m with thickness_m"));
+            }
             (None, None) if is_round => return Err(missing("shape.profile_m", "the profile as [radius, height]")),
             (None, None) => return Err(missing("shape.polygon_m", "or outline, an SVG file")),
             (Some(_), Some(_)) => return Err(FileError::Keys("give corners or shape.outline, not both")),
@@ -47,8 +63,9 @@ impl ShapeFile {
             if shape.density_kg_per_m2.is_none() {
                 return Err(missing("shape.density_kg_per_m2", "the mass of the membrane per area"));
             }
-        } else if shape.thickness_m.is_none() && !is_round {
-            return Err(missing("shape.thickness_m", "the thickness of the plate, or the width of the sheet"));
+        } else if shape.thickness_m.is_none() && !is_round && shape.surface.is_none() {
+            let what = "the thickness of the plate or solid, or the width of the sheet";
+            return Err(missing("shape.thickness_m", what));
         }
         if self.support.edge.is_some() && self.support.edges.is_some() {
             return Err(FileError::Keys("support.edge and support.edges exclude each other"));
@@ -111,12 +128,27 @@ impl ShapeFile {
         if let Some(positions) = self.strike.positions.filter(|&count| count == 0 || count > MOST_POSITIONS) {
             return Err(FileError::Range { key: "strike.positions", value: positions as f64, range: "1 to 64" });
         }
+        if let Some(value) = self.strike.peak_force_n.filter(|force| !PEAK_FORCES_N.contains(force)) {
+            return Err(FileError::Range { key: "strike.peak_force_n", value, range: "0.000001 to 1000000" });
+        }
+        if let Some(value) = self.strike.contact_time_s.filter(|time| !CONTACT_TIMES_S.contains(time)) {
+            return Err(FileError::Range { key: "strike.contact_time_s", value, range: "0.00002 to 0.1" });
+        }
         if self.strike.path_m.as_ref().is_some_and(Vec::is_empty) {
             return Err(missing("strike.path_m", "the path has no point"));
         }
+        let is_solid = self.shape.kind == Kind::Solid;
+        let fits = |numbers: &Vec<f64>| {
+            numbers.iter().all(|number| number.is_finite()) && (numbers.len() == 2 || numbers.len() == 3 && is_solid)
+        };
+        let points = self.strike.path_m.iter().flatten();
+        if !points.chain(&self.strike.direction).chain(&self.sound.direction).all(fits) {
+            let text = "strike.path_m and direction have points of two numbers, on a solid of two or three";
+            return Err(FileError::Keys(text));
+        }
         let places = self.sound.at_m.as_ref().map(Vec::len);
         match (self.sound.readout, places) {
-            (Readout::Velocity, Some(3)) if self.shape.kind == Kind::Revolve => Ok(()),
+            (Readout::Velocity, Some(3)) if self.shape.kind == Kind::Revolve || is_solid => Ok(()),
             (Readout::Velocity, Some(2)) | (Readout::Pressure, Some(3)) | (Readout::Even, None) => Ok(()),
             (Readout::Velocity, _) => Err(FileError::Keys("sound.at_m: the velocity is that of a point [x, y]")),
             (Readout::Pressure, _) => Err(FileError::Keys("sound.at_m: the pressure is that at a point [x, y, z]")),

@@ -1,6 +1,6 @@
 //! Errors of shape files.
 
-use super::MATERIALS;
+use super::materials;
 
 /// Fault of a shape file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,5 +38,5 @@ pub enum FileError {
 }
 
 fn names() -> String {
-    MATERIALS.map(|material| material.name).join(", ")
+    materials().keys().map(String::as_str).collect::<Vec<_>>().join(", ")
 }

@@ -1,13 +1,15 @@
 //! Materials: density, elasticity and damping.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::FileError;
 
 /// One modulus, or those along the grain and across it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(untagged)]
 pub enum Modulus {
     /// Modulus for all directions, Pa.
@@ -20,7 +22,7 @@ pub enum Modulus {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Name of a shipped material ([`MATERIALS`]).
+    /// Name of a shipped material ([`materials`]).
     pub name: Option<String>,
     /// Density, kg/m³.
     pub density_kg_per_m3: Option<f64>,
@@ -43,54 +45,39 @@ pub struct Material {
     pub damping: Option<PathBuf>,
 }
 
-/// Shipped material: isotropic, with Rayleigh damping.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Shipped material, as `materials.toml` has it.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct NamedMaterial {
-    /// Name.
-    pub name: &'static str,
     /// Density, kg/m³.
     pub density_kg_per_m3: f64,
-    /// Young's modulus, Pa.
-    pub youngs_modulus_pa: f64,
-    /// Poisson's ratio.
+    /// Young's modulus, of wood along the grain and across it, Pa.
+    pub youngs_modulus_pa: Modulus,
+    /// Shear modulus in the plane of wood, Pa.
+    pub shear_modulus_pa: Option<f64>,
+    /// Poisson's ratio; of wood, the contraction across the grain for a stretch along it.
     pub poisson: f64,
-    /// Rayleigh damping by mass, 1/s.
+    /// Rayleigh damping by mass, 1/s; 0 if missing.
+    #[serde(default)]
     pub rayleigh_alpha_per_s: f64,
-    /// Rayleigh damping by stiffness, s.
+    /// Rayleigh damping by stiffness, s; 0 if missing.
+    #[serde(default)]
     pub rayleigh_beta_s: f64,
+    /// Loss factor, in place of Rayleigh damping.
+    pub loss_factor: Option<f64>,
+    /// Origin of the numbers: title and year, or "chosen".
+    pub source: String,
 }
 
-const fn material(
-    name: &'static str,
-    density: f64,
-    modulus: f64,
-    poisson: f64,
-    alpha: f64,
-    beta: f64,
-) -> NamedMaterial {
-    NamedMaterial {
-        name,
-        density_kg_per_m3: density,
-        youngs_modulus_pa: modulus,
-        poisson,
-        rayleigh_alpha_per_s: alpha,
-        rayleigh_beta_s: beta,
-    }
-}
+/// Text of the shipped materials.
+const TEXT: &str = include_str!("../../materials.toml");
 
-/// Shipped materials: those that are usual in modal sound work (James, Barbič and Pai 2006; Wang
-/// and James 2019).
-/// James 2019).
-pub const MATERIALS: [NamedMaterial; 8] = [
-    material("ceramic", 2700.0, 7.2e10, 0.19, 6.0, 1e-7),
-    material("glass", 2600.0, 6.2e10, 0.20, 1.0, 1e-7),
-    material("wood", 750.0, 1.1e10, 0.25, 60.0, 2e-6),
-    material("plastic", 1070.0, 1.4e9, 0.35, 30.0, 1e-6),
-    material("iron", 8000.0, 2.1e11, 0.28, 5.0, 1e-7),
-    material("polycarbonate", 1190.0, 2.4e9, 0.37, 0.5, 4e-7),
-    material("steel", 7850.0, 2.0e11, 0.29, 5.0, 3e-8),
-    material("tin", 7265.0, 5e10, 0.325, 2.0, 3e-8),
-];
+/// Shipped materials by their names. A test holds the shipped text to be readable.
+pub fn materials() -> &'static BTreeMap<String, NamedMaterial> {
+    static MATERIALS: LazyLock<BTreeMap<String, NamedMaterial>> =
+        LazyLock::new(|| toml::from_str(TEXT).unwrap_or_default());
+    &MATERIALS
+}
 
 impl Material {
     /// Shipped material that the file names, if it names one.
@@ -99,7 +86,25 @@ impl Material {
     /// [`FileError::NoMaterial`].
     pub fn named(&self) -> Result<Option<&'static NamedMaterial>, FileError> {
         let Some(name) = &self.name else { return Ok(None) };
-        let found = MATERIALS.iter().find(|material| material.name == name);
-        found.map(Some).ok_or_else(|| FileError::NoMaterial(name.clone()))
+        materials().get(name).map(Some).ok_or_else(|| FileError::NoMaterial(name.clone()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Modulus, NamedMaterial, TEXT};
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn shipped_materials_are_readable_and_tell_their_sources() {
+        let all: BTreeMap<String, NamedMaterial> = toml::from_str(TEXT).expect("the shipped text is valid");
+        assert!(all.len() >= 15, "{}", all.len());
+        for (name, material) in &all {
+            assert!(material.source.len() > 20, "{name}");
+            let is_wood = matches!(material.youngs_modulus_pa, Modulus::Grain(_));
+            assert_eq!(is_wood, material.shear_modulus_pa.is_some(), "{name}");
+            let is_rayleigh = material.rayleigh_alpha_per_s > 0.0 || material.rayleigh_beta_s > 0.0;
+            assert_ne!(is_rayleigh, material.loss_factor.is_some(), "{name}");
+        }
     }
 }

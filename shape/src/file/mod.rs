@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 pub use error::FileError;
-pub use material::{MATERIALS, Material, Modulus, NamedMaterial};
+pub use material::{Material, Modulus, NamedMaterial, materials};
 
 /// A shape file, format 1: TOML, lengths in metres.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -46,6 +46,8 @@ pub enum Kind {
     Membrane,
     /// Body of revolution: a bell, a cymbal, a glass.
     Revolve,
+    /// Solid: a block, a body of any surface.
+    Solid,
 }
 
 /// State of a sheet across its plane.
@@ -73,7 +75,9 @@ pub struct Shape {
     pub split: Option<f64>,
     /// SVG file with the outline, beside the shape file.
     pub outline: Option<PathBuf>,
-    /// Metres of a unit of the SVG file.
+    /// Surface of a solid, an STL or OBJ file beside the shape file.
+    pub surface: Option<PathBuf>,
+    /// Metres of a unit of the outline's or the surface's file; that of a surface is 1 if missing.
     pub unit_m: Option<f64>,
     /// Corners of each hole, metres.
     #[serde(default)]
@@ -118,12 +122,17 @@ pub struct Support {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Strike {
-    /// Corners of the path along which strikes lie, metres.
-    pub path_m: Option<Vec<[f64; 2]>>,
+    /// Corners of the path along which strikes lie, metres: two coordinates, on a solid three.
+    pub path_m: Option<Vec<Vec<f64>>>,
     /// Number of positions evenly along the path, 1 to 64.
     pub positions: Option<usize>,
-    /// Direction of a strike in the plane of a sheet; normal to its edge if missing.
-    pub direction: Option<[f64; 2]>,
+    /// Direction of a strike on a sheet, two numbers, or on a solid, three; normal to the surface if
+    /// missing.
+    pub direction: Option<Vec<f64>>,
+    /// Peak force of the table's mallet at velocity 1, newtons; 20 if missing.
+    pub peak_force_n: Option<f64>,
+    /// Contact time of the table's mallet at velocity 1, seconds; 0.0005 if missing.
+    pub contact_time_s: Option<f64>,
 }
 
 /// Readout of a mode: its share of what is heard.
@@ -146,11 +155,12 @@ pub struct Sound {
     /// Readout.
     #[serde(default)]
     pub readout: Readout,
-    /// Place, metres: two coordinates on the body, three before it for the pressure; on a body of
+    /// Place, metres: two coordinates on the body, three on a solid or, for the pressure, before a
+    /// plate; on a body of
     /// revolution radius and height, and the angle from the strike in degrees.
     pub at_m: Option<Vec<f64>>,
-    /// Direction of the velocity in the plane of a sheet; normal to its edge if missing.
-    pub direction: Option<[f64; 2]>,
+    /// Direction of the velocity, as that of a strike.
+    pub direction: Option<Vec<f64>>,
 }
 
 impl ShapeFile {

@@ -55,10 +55,7 @@ impl Body {
         let [low, high] = outline.bounds().unwrap_or_default();
         let extents = [0, 1].map(|axis| high[axis] - low[axis]);
         let longest = extents[0].max(extents[1]);
-        if !(EXTENT_M[0]..=EXTENT_M[1]).contains(&longest) {
-            let unit = if longest > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
-            return Err(SolveError::Size { size_m: longest, unit });
-        }
+        check_size(longest)?;
         let kind = file.shape.kind;
         let thickness_m = if kind == Kind::Membrane { 0.0 } else { file.shape.thickness_m.unwrap_or(0.0) };
         let width_m = width(outline, extents);
@@ -110,7 +107,7 @@ impl Body {
         match self.kind {
             Kind::Membrane => area * self.skin[1],
             Kind::Plate | Kind::Sheet => area * self.material.density * self.thickness_m,
-            Kind::Revolve => {
+            Kind::Revolve | Kind::Solid => {
                 let rings = pieces(discrete, &[]).into_iter().map(|(at, area, _)| TAU * at[0] * area);
                 self.material.density * rings.sum::<f64>()
             }
@@ -127,7 +124,7 @@ impl Body {
                 (omega * omega * self.material.density * self.thickness_m / bending).powf(0.25)
             }
             // The lowest modes of a slender sheet bend: their waves are about this short.
-            Kind::Sheet | Kind::Revolve => omega * (self.material.density / shear).sqrt(),
+            Kind::Sheet | Kind::Revolve | Kind::Solid => omega * (self.material.density / shear).sqrt(),
         }
     }
 
@@ -175,7 +172,7 @@ impl Body {
     }
 
     /// Mesh with edges of at most a length.
-    pub(super) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
+    pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
         let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
@@ -184,7 +181,7 @@ impl Body {
     }
 
     /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.
-    pub(super) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
+    pub(crate) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
         let (material, thickness) = (self.material, self.thickness_m);
         let [tension, density] = self.skin;
         Ok(match self.kind {
@@ -193,8 +190,27 @@ impl Body {
             }
             Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
-            Kind::Revolve => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Revolve | Kind::Solid => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
         })
+    }
+}
+
+/// Checks that a body is neither too long nor too short.
+pub(super) fn check_size(longest_m: f64) -> Result<(), SolveError> {
+    if (EXTENT_M[0]..=EXTENT_M[1]).contains(&longest_m) {
+        return Ok(());
+    }
+    let unit = if longest_m > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
+    Err(SolveError::Size { size_m: longest_m, unit })
+}
+
+/// Young's modulus, Pa, Poisson's ratio and density, kg/m³, of a material that is alike in all
+/// directions.
+pub(super) fn isotropic(file: &ShapeFile) -> Result<(f64, f64, f64), SolveError> {
+    let found = material(file)?;
+    match found.elasticity {
+        Elasticity::Isotropic { young, poisson } => Ok((young, poisson, found.density)),
+        Elasticity::Orthotropic { .. } => Err(SolveError::Grain),
     }
 }
 
@@ -220,11 +236,12 @@ fn material(file: &ShapeFile) -> Result<Material, SolveError> {
     let named = given.named()?;
     let density = given.density_kg_per_m3.or(named.map(|named| named.density_kg_per_m3)).unwrap_or(1.0);
     let poisson = given.poisson.or(named.map(|named| named.poisson)).unwrap_or(0.0);
-    let elasticity = match given.youngs_modulus_pa {
-        None => Elasticity::Isotropic { young: named.map_or(1.0, |named| named.youngs_modulus_pa), poisson },
-        Some(Modulus::All(young)) => Elasticity::Isotropic { young, poisson },
-        Some(Modulus::Grain(young)) => {
-            let shear = given.shear_modulus_pa.unwrap_or(young[1] / (2.0 * (1.0 + poisson)));
+    let modulus = given.youngs_modulus_pa.clone().or(named.map(|named| named.youngs_modulus_pa.clone()));
+    let elasticity = match modulus.unwrap_or(Modulus::All(1.0)) {
+        Modulus::All(young) => Elasticity::Isotropic { young, poisson },
+        Modulus::Grain(young) => {
+            let shear = given.shear_modulus_pa.or(named.and_then(|named| named.shear_modulus_pa));
+            let shear = shear.unwrap_or(young[1] / (2.0 * (1.0 + poisson)));
             let grain = given.grain_deg.to_radians();
             // Shear moduli over the thickness are not in the file: they are those of the plane.
             Elasticity::Orthotropic { young, poisson, shear, transverse: [shear; 2], grain }

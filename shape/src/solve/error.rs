@@ -5,6 +5,7 @@ use crate::element;
 use crate::file::FileError;
 use crate::mesh::MeshError;
 use crate::outline::OutlineError;
+use crate::surface::{ExtrudeError, Point, SurfaceError};
 
 /// Fault of a shape, or a limit of the method.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +16,35 @@ pub enum SolveError {
     /// Fault of the outline.
     #[error(transparent)]
     Outline(#[from] OutlineError),
+    /// Fault of the surface of a solid.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// Outline over which no solid stands.
+    #[error(transparent)]
+    Extrude(#[from] ExtrudeError),
+    /// Surface of a body that is no solid.
+    #[error("a surface is that of a solid: set shape.kind = \"solid\"")]
+    NoSolid,
+    /// Solid that is held.
+    #[error("a solid is free: leave out [support]; a body that is held is a plate, a sheet or a membrane")]
+    Held,
+    /// Solid with a grain.
+    #[error("a solid is alike in all directions: give one youngs_modulus_pa; grain is for plates and sheets")]
+    Grain,
+    /// Place of a solid without its height.
+    #[error("{key}: a point on a solid with a surface has three coordinates, [x, y, z]")]
+    Coordinates {
+        /// Key in the file.
+        key: &'static str,
+    },
+    /// Place off the surface of a solid.
+    #[error("{key}: the point ({:.6}, {:.6}, {:.6}) m is not on the surface of the body", at[0], at[1], at[2])]
+    OffSurface {
+        /// Key in the file.
+        key: &'static str,
+        /// Place, metres.
+        at: Point,
+    },
     /// Outline that no mesh can be made of.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -94,12 +124,10 @@ pub enum SolveError {
         decay_per_s: f64,
     },
     /// Mesh beyond the memory.
-    #[error("an error of {error} would take {unknowns} unknowns, and at most {most} are solved; ask for a larger --error or fewer modes", most = super::MOST_UNKNOWNS)]
+    #[error("this error would take {unknowns} unknowns, and at most {most} are solved; ask for a larger --error or fewer modes", most = super::MOST_UNKNOWNS)]
     TooLarge {
         /// Number of unknowns.
         unknowns: usize,
-        /// Error that was asked for.
-        error: f64,
     },
     /// Frequencies that still move on the finest mesh.
     #[error(

@@ -2,18 +2,25 @@
 
 mod body;
 mod error;
+mod figure;
+mod model;
 mod parts;
 mod places;
+mod solid;
+mod solid_figure;
+mod solid_places;
 
 use std::f64::consts::TAU;
 
 use crate::damping::Damping;
 use crate::file::ShapeFile;
 use crate::gain::Gain;
-use crate::outline::Outline;
 
 pub use body::Body;
 pub use error::SolveError;
+pub use figure::{Figure, MOST_MODES as MOST_FIGURES, Motion, Tried};
+pub use model::Geometry;
+use model::{Level, Model};
 use parts::{Part, Place};
 pub use places::Places;
 use places::Round;
@@ -53,10 +60,14 @@ pub struct Solved {
     pub counted_to_hz: f64,
     /// Number of unknowns of the finest mesh.
     pub unknowns: usize,
-    /// Number of triangles of the finest mesh.
-    pub triangles: usize,
+    /// Number of triangles of the finest mesh, or of cells of a solid.
+    pub elements: usize,
     /// Mass of the body, kg.
     pub mass_kg: f64,
+    /// Meshes that were tried, the coarsest first; the modes stand on the last one.
+    pub meshes: Vec<Tried>,
+    /// Picture of the body and its lowest modes; `None` if the kind of body has none.
+    pub figure: Option<Figure>,
 }
 
 /// Largest number of meshes, each finer than the one before.
@@ -76,15 +87,15 @@ const HIGHEST_HZ: f64 = 48_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
 const FIRST_SIZE: f64 = 0.5;
 
-/// Finds the modes of a shape. `measured` are frequency and decay of the modes of the table that
-/// the material's `damping` names; `outline` is that of the file or of its SVG. `tell` gets the
-/// steps that are done, of 100.
+/// Finds the modes of a shape. `geometry` is the outline or the surface that the file gives or names;
+/// `measured` are frequency and decay of the modes of the table that the material's `damping` names.
+/// `tell` gets the steps that are done, of 100.
 ///
 /// # Errors
 /// A [`SolveError`] that says what to change.
-pub fn solve(
+pub fn solve<'a>(
     file: &ShapeFile,
-    outline: &Outline,
+    geometry: impl Into<Geometry<'a>>,
     measured: Vec<[f64; 2]>,
     wanted: Wanted,
     error: f64,
@@ -93,19 +104,18 @@ pub fn solve(
     if !(error > 0.0 && error < 0.5) {
         return Err(SolveError::Error(error));
     }
-    let body = Body::of(file, outline)?;
-    let strikes = Places::of(file, outline)?;
+    let model = Model::of(file, geometry.into())?;
     let damping = Damping::of(&file.material, measured);
-    let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
+    let mut size_m = model.first_size_m(wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut unknowns_before = 0.0;
+    let mut meshes = Vec::new();
     for number in 0..MOST_MESHES {
         tell(100 * number / MOST_MESHES);
-        let mesh = body.mesh(size_m)?;
-        let first = body.elements(&mesh, 0)?;
-        let unknowns = first.problem.size;
+        let Level { mesh, first, elements } = model.level(size_m)?;
+        let unknowns = first.problem().size;
         if unknowns > MOST_UNKNOWNS {
-            return Err(SolveError::TooLarge { unknowns, error });
+            return Err(SolveError::TooLarge { unknowns });
         }
         // A curved outline may have one mesh for both sizes, and a coarse one too few unknowns.
         let is_coarse = matches!(wanted, Wanted::Lowest(count) if unknowns < LEAST_UNKNOWNS * count);
@@ -114,7 +124,7 @@ pub fn solve(
             continue;
         }
         unknowns_before = unknowns as f64;
-        let parts = parts::find(&body, &mesh, first, wanted)?;
+        let parts = parts::find(&model, mesh.as_ref(), first, wanted)?;
         let mut places = parts::sorted(&parts);
         if let Wanted::Lowest(count) = wanted {
             places.truncate(count);
@@ -124,16 +134,19 @@ pub fn solve(
         if let Some(&lowest_hz) = elastic.first().filter(|&&lowest| lowest >= HIGHEST_HZ) {
             return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
         }
-        let estimates = estimates(&body, &elastic, before.as_ref().map(|before| before.0.as_slice()));
+        meshes.push(Tried { unknowns, elements, frequencies_hz: elastic.clone() });
+        let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         let worst = estimates.iter().copied().fold(0.0, f64::max);
-        let model = elastic.iter().map(|&frequency| body.model_error(frequency)).fold(0.0, f64::max);
-        if worst <= error.max(1.05 * model) {
+        let theory = elastic.iter().map(|&frequency| model.model_error(frequency)).fold(0.0, f64::max);
+        if worst <= error.max(1.05 * theory) {
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
-            let mass_kg = parts.first().map_or(0.0, |part| body.mass_kg(&part.discrete));
-            let mode = |(place, &error)| body.mode(&parts, place, &strikes, &damping, error);
-            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, _>>()?;
-            modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+            let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
+            let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));
+            let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, SolveError>>()?;
+            modes.sort_by(|a, b| a.0.frequency_hz.total_cmp(&b.0.frequency_hz));
+            let (modes, places): (Vec<Mode>, Vec<Place>) = modes.into_iter().unzip();
+            let figure = model.figure(mesh.as_ref(), &parts, &places)?;
             tell(100);
             return Ok(Solved {
                 modes,
@@ -141,8 +154,10 @@ pub fn solve(
                 counted,
                 counted_to_hz: limit.max(0.0).sqrt() / TAU,
                 unknowns,
-                triangles: mesh.triangles.len(),
+                elements,
                 mass_kg,
+                meshes,
+                figure,
             });
         }
         before = Some((elastic, estimates));
@@ -157,7 +172,7 @@ pub fn solve(
 /// The error of a mesh is at most what its frequencies differ from those of the mesh before, even
 /// where it falls as slowly as at the sharpest corner of a membrane. A single difference may be
 /// small by chance, hence each mode has the largest one of all modes up to the next above it.
-fn estimates(body: &Body, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec<f64> {
+fn estimates(model: &Model, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec<f64> {
     let change = |(index, &frequency): (usize, &f64)| {
         before.and_then(|before| before.get(index)).map_or(1.0, |&other| (frequency - other).abs() / frequency)
     };
@@ -166,25 +181,18 @@ fn estimates(body: &Body, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec
     let of = |(index, &frequency): (usize, &f64)| {
         let near = changes.iter().skip(index).take(2).copied().fold(0.0, f64::max);
         largest = largest.max(near);
-        largest + LEAST_ERROR + body.model_error(frequency)
+        largest + LEAST_ERROR + model.model_error(frequency)
     };
     frequencies_hz.iter().enumerate().map(of).collect()
 }
 
-impl Body {
+impl Model {
     /// Mode with its decay and gains.
-    fn mode(
-        &self,
-        parts: &[Part],
-        place: &Place,
-        strikes: &Places,
-        damping: &Damping,
-        error: f64,
-    ) -> Result<Mode, SolveError> {
+    fn mode(&self, parts: &[Part], place: &Place, damping: &Damping, error: f64) -> Result<Mode, SolveError> {
         let part = parts.get(place.part).ok_or(SolveError::NoModes)?;
         let vector = part.found.vectors.get(place.index).ok_or(SolveError::NoModes)?;
         // An imperfect body has the modes of a pair at two frequencies.
-        let apart = if part.waves == 0 { 0.0 } else { self.split / 2.0 };
+        let apart = if part.waves == 0 { 0.0 } else { self.split() / 2.0 };
         let omega = place.value.max(0.0).sqrt() * if place.is_second { 1.0 + apart } else { 1.0 - apart };
         let decay_per_s = damping.decay_per_s(omega / TAU);
         if decay_per_s >= omega {
@@ -192,8 +200,8 @@ impl Body {
         }
         // The body's frequency is the undamped one; a table has the damped one.
         let damped = (omega * omega - decay_per_s * decay_per_s).sqrt();
-        let round = Round { waves: part.waves, is_second: place.is_second, is_split: self.split > 0.0 };
-        let gains = strikes.gains(&part.discrete, vector, round, damped, decay_per_s)?;
+        let round = Round { waves: part.waves, is_second: place.is_second, is_split: self.split() > 0.0 };
+        let gains = self.gains(&part.matrices, vector, round, damped, decay_per_s)?;
         Ok(Mode { frequency_hz: damped / TAU, error, decay_per_s, gains })
     }
 }

@@ -3,10 +3,12 @@
 
 use std::f64::consts::TAU;
 
-use super::{Body, SolveError, Wanted};
-use crate::eigen::{self, EigenError, Modes};
+use super::model::Model;
+use super::{SolveError, Wanted};
+use crate::eigen::{self, EigenError, Modes, Problem};
 use crate::element::Discrete;
 use crate::mesh::Mesh;
+use crate::solid::{Cells, RIGID};
 
 /// Largest number of waves round an axis that is looked at.
 const MOST_WAVES: u32 = 200;
@@ -15,9 +17,32 @@ const FEW_WAVES: u32 = 3;
 /// Distance of the limit of a count above the last mode, as a share of ω².
 const ABOVE: f64 = 1e-5;
 
+/// Matrices of a part of the motion.
+pub(super) enum Matrices {
+    Flat(Box<Discrete>),
+    Solid(Box<Cells>),
+}
+
+impl Matrices {
+    pub(super) fn problem(&self) -> &Problem {
+        match self {
+            Self::Flat(discrete) => &discrete.problem,
+            Self::Solid(cells) => &cells.problem,
+        }
+    }
+
+    /// Number of motions that store no energy.
+    fn rigid(&self) -> usize {
+        match self {
+            Self::Flat(discrete) => discrete.rigid,
+            Self::Solid(_) => RIGID,
+        }
+    }
+}
+
 /// Part of the motion, and its modes.
 pub(super) struct Part {
-    pub(super) discrete: Discrete,
+    pub(super) matrices: Matrices,
     pub(super) found: Modes,
     /// Number of waves round the axis; 0 for flat bodies, too.
     pub(super) waves: u32,
@@ -42,7 +67,7 @@ impl Part {
     }
 
     fn places(&self, part: usize) -> impl Iterator<Item = Place> {
-        let elastic = self.found.values.iter().enumerate().skip(self.discrete.rigid);
+        let elastic = self.found.values.iter().enumerate().skip(self.matrices.rigid());
         let both = [false, true].into_iter().take(self.multiplicity());
         elastic
             .flat_map(move |(index, &value)| both.clone().map(move |is_second| Place { value, part, index, is_second }))
@@ -50,26 +75,31 @@ impl Part {
 }
 
 /// Finds the parts whose modes are wanted; `first` has no waves round the axis.
-pub(super) fn find(body: &Body, mesh: &Mesh, first: Discrete, wanted: Wanted) -> Result<Vec<Part>, SolveError> {
+pub(super) fn find(
+    model: &Model,
+    mesh: Option<&Mesh>,
+    first: Matrices,
+    wanted: Wanted,
+) -> Result<Vec<Part>, SolveError> {
     let mut parts: Vec<Part> = Vec::new();
     let (mut next, mut waves, mut above) = (Some(first), 0, 0);
-    while let Some(discrete) = next {
+    while let Some(matrices) = next {
         let limit = match wanted {
             Wanted::Below(frequency_hz) => Some((TAU * frequency_hz).powi(2)),
             Wanted::Lowest(count) => sorted(&parts).get(count.saturating_sub(1)).map(|place| place.value),
         };
         let asked = match (limit, wanted) {
             (Some(limit), _) => eigen::Wanted::Below(limit),
-            (None, Wanted::Lowest(count)) => eigen::Wanted::Lowest(count + discrete.rigid),
+            (None, Wanted::Lowest(count)) => eigen::Wanted::Lowest(count + matrices.rigid()),
             (None, Wanted::Below(_)) => break,
         };
-        let found = eigen::modes(&discrete.problem, asked, &mut |_, _| {})?;
+        let found = eigen::modes(matrices.problem(), asked, &mut |_, _| {})?;
         // No mode lies below the limit: two such numbers of waves end the search.
-        above = if found.values.len() <= discrete.rigid { above + 1 } else { 0 };
-        parts.push(Part { discrete, found, waves });
+        above = if found.values.len() <= matrices.rigid() { above + 1 } else { 0 };
+        parts.push(Part { matrices, found, waves });
         waves += 1;
-        let is_done = !body.is_round() || waves > FEW_WAVES && above >= 2 || waves > MOST_WAVES;
-        next = if is_done { None } else { Some(body.elements(mesh, waves)?) };
+        let is_done = waves > FEW_WAVES && above >= 2 || waves > MOST_WAVES;
+        next = if is_done { None } else { model.round(mesh, waves)? };
     }
     Ok(parts)
 }
@@ -83,7 +113,7 @@ pub(super) fn sorted(parts: &[Part]) -> Vec<Place> {
 
 /// Number of rigid motions of all parts.
 pub(super) fn rigid(parts: &[Part]) -> usize {
-    parts.iter().map(|part| part.discrete.rigid * part.multiplicity()).sum()
+    parts.iter().map(|part| part.matrices.rigid() * part.multiplicity()).sum()
 }
 
 /// Counts the modes of all parts up to a limit just above the last one of those that are wanted, by
@@ -93,6 +123,6 @@ pub(super) fn count(parts: &[Part], last: f64) -> Result<(usize, f64), EigenErro
         return Ok((part.found.counted, part.found.count_limit));
     }
     let limit = last * (1.0 + ABOVE);
-    let counts = parts.iter().map(|part| Ok(eigen::count_below(&part.discrete.problem, limit)? * part.multiplicity()));
+    let counts = parts.iter().map(|part| Ok(eigen::count_below(part.matrices.problem(), limit)? * part.multiplicity()));
     Ok((counts.sum::<Result<usize, EigenError>>()?, limit))
 }

@@ -7,9 +7,9 @@ use crate::gain::{self, Gain, Surface};
 use crate::outline::{FlatSide, Outline, Point};
 
 /// Number of positions of a strike if the file does not tell.
-const POSITIONS: usize = 9;
+pub(super) const POSITIONS: usize = 9;
 /// Share of the way to the rim at which the last position lies if the file has no path.
-const NEAR_RIM: f64 = 0.98;
+pub(super) const NEAR_RIM: f64 = 0.98;
 
 /// Places of strikes, and what is heard.
 #[derive(Clone, Debug)]
@@ -56,20 +56,20 @@ impl Places {
         let kind = file.shape.kind;
         let count = file.strike.positions.unwrap_or(POSITIONS);
         let path = match &file.strike.path_m {
-            Some(path) => path.clone(),
+            Some(path) => path.iter().map(|point| flat(point)).collect(),
             None => default_path(kind, outline),
         };
-        let direction = |given: Option<[f64; 2]>, at: Point| match given {
+        let direction = |given: &Option<Vec<f64>>, at: Point| match given.as_deref().map(flat) {
             Some([x, y]) => {
                 let length = x.hypot(y).max(f64::MIN_POSITIVE);
                 [x / length, y / length]
             }
             None => normal(outline, at),
         };
-        let strikes = along(&path, count).into_iter().map(|at| (at, direction(file.strike.direction, at))).collect();
+        let strikes = along(&path, count).into_iter().map(|at| (at, direction(&file.strike.direction, at))).collect();
         let heard = match (file.sound.readout, file.sound.at_m.as_deref()) {
             (Readout::Velocity, Some(&([x, y] | [x, y, _]))) => {
-                Heard::Velocity([x, y], direction(file.sound.direction, [x, y]))
+                Heard::Velocity([x, y], direction(&file.sound.direction, [x, y]))
             }
             (Readout::Pressure, Some(&[x, y, z])) if matches!(kind, Kind::Plate | Kind::Membrane) => {
                 Heard::Pressure([x, y, z])
@@ -82,6 +82,16 @@ impl Places {
             _ => 0.0,
         };
         Ok(Self { kind, strikes, heard, heard_rad })
+    }
+
+    /// Places of strikes in the order of the positions, metres.
+    pub(super) fn struck(&self) -> Vec<Point> {
+        self.strikes.iter().map(|strike| strike.0).collect()
+    }
+
+    /// Point of the body that is heard, metres; `None` for other readouts.
+    pub(super) fn heard_point(&self) -> Option<Point> {
+        if let Heard::Velocity(at, _) = self.heard { Some(at) } else { None }
     }
 
     /// Gains of a mode at all positions; ω in rad/s, d in 1/s.
@@ -98,7 +108,7 @@ impl Places {
             Ok::<f64, SolveError>(match self.kind {
                 Kind::Sheet => value[0] * direction[0] + value[1] * direction[1],
                 Kind::Revolve => value[0] * direction[0] + value[2] * direction[1],
-                Kind::Plate | Kind::Membrane => value[0],
+                Kind::Plate | Kind::Membrane | Kind::Solid => value[0],
             })
         };
         let [struck, heard_round] = [0.0, self.heard_rad].map(|angle| round.share(angle));
@@ -151,16 +161,17 @@ pub(super) fn pieces(discrete: &Discrete, vector: &[f64]) -> Vec<(Point, f64, f6
 }
 
 /// Points evenly along a path.
-fn along(path: &[Point], count: usize) -> Vec<Point> {
+pub(super) fn along<const N: usize>(path: &[[f64; N]], count: usize) -> Vec<[f64; N]> {
     let Some(&first) = path.first() else { return vec![] };
-    let lengths: Vec<f64> = path.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
+    let way = |pair: &[[f64; N]]| (0..N).map(|axis| (pair[1][axis] - pair[0][axis]).powi(2)).sum::<f64>().sqrt();
+    let lengths: Vec<f64> = path.windows(2).map(way).collect();
     let whole: f64 = lengths.iter().sum();
     let point = |index: usize| {
         let mut rest = if count > 1 { whole * index as f64 / (count - 1) as f64 } else { 0.0 };
         for (pair, &length) in path.windows(2).zip(&lengths) {
             if rest <= length && length > 0.0 {
                 let share = rest / length;
-                return [0, 1].map(|axis| pair[0][axis] + share * (pair[1][axis] - pair[0][axis]));
+                return std::array::from_fn(|axis| pair[0][axis] + share * (pair[1][axis] - pair[0][axis]));
             }
             rest -= length;
         }
@@ -244,6 +255,11 @@ fn innermost(outline: &Outline) -> Point {
     });
     let inside = points.filter(|&at| outline.contains(at));
     inside.max_by(|&a, &b| clear(a).total_cmp(&clear(b))).unwrap_or(low)
+}
+
+/// First two of a point's coordinates.
+fn flat(numbers: &[f64]) -> Point {
+    [0, 1].map(|axis| numbers.get(axis).copied().unwrap_or(0.0))
 }
 
 /// Normal of the side that lies next to a point, out of the body.

@@ -2,33 +2,35 @@
 
 use kit::{Acceleration, Kit, Mode, Object, Pulse, Striker, item_name};
 
+use crate::file::ShapeFile;
 use crate::solve::Solved;
 
-/// Peak force of the table's striker at velocity 1, N; the reference force as well.
-const PEAK_FORCE_N: f32 = 20.0;
-/// Contact time of the table's striker at velocity 1, s: a hard mallet.
-const CONTACT_TIME_S: f32 = 5e-4;
+/// Peak force of the table's striker at velocity 1, N, if the file has none.
+const PEAK_FORCE_N: f64 = 20.0;
+/// Contact time of the table's striker at velocity 1, s, if the file has none: a hard mallet.
+const CONTACT_TIME_S: f64 = 5e-4;
 /// Decays that the format holds, 1/s.
 const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
 
-/// The object and a hard mallet as a kit without pads. The object has the solved gains, in
-/// output/(N s), and a reference force of 20 N; decays are cut to 0.01 to 20 000 1/s, which the
+/// The object and a mallet as a kit without pads. The object has the solved gains, in
+/// output/(N s), and the mallet's peak force as reference force; decays are cut to 0.01 to 20 000 1/s, which the
 /// format holds.
-pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
+pub fn of(solved: &Solved, file: &ShapeFile, source: &str, licence: &str) -> Kit {
     let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
     let modes = solved.modes.iter().map(|mode| Mode {
         frequency_hz: mode.frequency_hz as f32,
         decay_per_s: (mode.decay_per_s as f32).clamp(DECAYS_PER_S[0], DECAYS_PER_S[1]),
         gains: mode.gains.iter().map(gain).collect(),
     });
-    let name = item_name(name, "");
+    let name = item_name(&file.name, "");
+    let peak_force = file.strike.peak_force_n.unwrap_or(PEAK_FORCE_N) as f32;
     Kit {
         name: name.clone(),
         objects: vec![Object {
             name: name.clone(),
             source: source.to_owned(),
             licence: licence.to_owned(),
-            reference_force: PEAK_FORCE_N,
+            reference_force: peak_force,
             acceleration: Acceleration::Factor(0.0),
             modes: modes.collect(),
             residual: None,
@@ -38,12 +40,12 @@ pub fn of(solved: &Solved, name: &str, source: &str, licence: &str) -> Kit {
         }],
         strikers: vec![Striker {
             name: item_name(&name, " mallet"),
-            source: "hard mallet, chosen".to_owned(),
+            source: "mallet, chosen".to_owned(),
             licence: licence.to_owned(),
             pulse: Pulse::Hertz,
-            peak_force: PEAK_FORCE_N,
+            peak_force,
             peak_exponent: 1.2,
-            contact_time_s: CONTACT_TIME_S,
+            contact_time_s: file.strike.contact_time_s.unwrap_or(CONTACT_TIME_S) as f32,
             contact_exponent: -0.2,
             restitution: Striker::DEFAULT_RESTITUTION,
             scrape: None,

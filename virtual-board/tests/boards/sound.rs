@@ -3,7 +3,7 @@
 
 use crate::common;
 use crate::hits::signal;
-use crate::played::{events, heard_and_decided_as_board, rate};
+use crate::played::{events, heard_and_decided_as_board, heard_and_rendered_as_board, rate};
 use crate::replay::{assert_same, assert_same_bits, strikes};
 use dsp_core::event::Action;
 use dsp_core::table::Kit;
@@ -133,5 +133,33 @@ fn a_second_as_dense_as_the_budget_allows_replays_to_the_same_bits() {
         let sheds = played.iter().filter(|event| matches!(event.action, Action::Shed(_))).count();
         println!("{}: {} strikes, {sheds} sheds, {same} frames", board.name(), strikes(&played));
         assert!(strikes(&played) >= 100, "{}", strikes(&played));
+    }
+}
+
+/// Kit `shapes` with four of its pads before the piezos.
+fn four_shapes(names: [&str; 4]) -> Vec<u8> {
+    let mut kit = kit::open("shapes").unwrap().kit;
+    kit.pads.retain(|pad| names.contains(&pad.name.as_str()));
+    kit.pads.sort_by_key(|pad| names.iter().position(|name| *name == pad.name));
+    assert_eq!(kit.pads.len(), 4);
+    kit::binary::build(&kit).unwrap()
+}
+
+#[test]
+fn bodies_by_finite_elements_sound_on_boards_with_the_bits_of_the_pc() {
+    for (board, names) in [
+        (Board::Stm32f407gDisc1, ["marimba", "bell", "glockenspiel", "drum"]),
+        (Board::BlackpillF411, ["glass", "woodblock", "gong", "vibraphone"]),
+    ] {
+        let kit = four_shapes(names);
+        let piezos = (0..4).map(|piezo| signal(piezo, 0.8, &[(0.4 + 0.06 * piezo as f64, 0.8)]));
+        let setup = Setup { piezos: piezos.collect(), kit: kit.clone(), ..Setup::default() };
+        let running = common::run(board, &setup, 0.8);
+        let (sounds, _) = heard_and_rendered_as_board(&running, board, &kit);
+        let same = assert_same(board, sounds);
+        let played = events(&running, &Kit::parse(&kit).unwrap(), rate(board));
+        println!("{}: {} strikes, {same} frames with the same bits", board.name(), strikes(&played));
+        assert_eq!(strikes(&played), 4, "{}", board.name());
+        assert!(same as f64 > 0.35 * rate(board).hz(), "{}: {same} frames", board.name());
     }
 }

@@ -1,0 +1,108 @@
+//! Matrices of the body from those of its cells.
+
+use super::cell::{CellMatrices, Functions, NODES, parts};
+use super::functions::FUNCTIONS;
+use super::moments::Inside;
+use super::{Cells, Grid, ORDER, Solid};
+use crate::eigen::Problem;
+
+/// Assembles the cells that have a part inside the body.
+pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells {
+    let lattice = grid.counts.map(|count| ORDER * count + 1);
+    let mut nodes = vec![None; lattice.iter().product()];
+    let mut cells = vec![None; moments.len()];
+    let mut active = Vec::new();
+    for (number, inside) in moments.iter().enumerate() {
+        if matches!(inside, Inside::None) {
+            continue;
+        }
+        cells[number] = Some(active.len());
+        active.push((inside, lattice_nodes(grid.place(number), lattice)));
+    }
+    for (_, members) in &active {
+        members.iter().for_each(|node| nodes[*node] = Some(0));
+    }
+    let mut count = 0;
+    for node in nodes.iter_mut().flatten() {
+        *node = count;
+        count += 1;
+    }
+    let members: Vec<Vec<usize>> =
+        active.iter().map(|(_, members)| members.iter().filter_map(|node| nodes[*node]).collect()).collect();
+    let mut problem = pattern(&members, count);
+    let functions = Functions::new(grid.edges_m);
+    let whole = functions.matrices(solid, &Inside::All, grid.cell_m3(), None);
+    for ((inside, _), members) in active.iter().zip(&members) {
+        match inside {
+            Inside::Part(_) => {
+                let part = functions.matrices(solid, inside, grid.cell_m3(), Some(&whole));
+                add(&mut problem, &part, members);
+            }
+            Inside::None | Inside::All => add(&mut problem, &whole, members),
+        }
+    }
+    let volume_m3 = grid.cell_m3() * moments.iter().map(share).sum::<f64>();
+    Cells { problem, grid: grid.clone(), cells, members, mass_kg: solid.density * volume_m3 }
+}
+
+fn share(inside: &Inside) -> f64 {
+    match inside {
+        Inside::None => 0.0,
+        Inside::All => 1.0,
+        Inside::Part(moments) => moments[0],
+    }
+}
+
+/// Numbers, on the lattice of all nodes, of a cell's nodes, the third axis first.
+fn lattice_nodes(cell: [usize; 3], lattice: [usize; 3]) -> Vec<usize> {
+    let of = |node: usize| {
+        let place = parts(node, FUNCTIONS);
+        let [x, y, z] = [0, 1, 2].map(|axis| ORDER * cell[axis] + place[axis]);
+        (x * lattice[1] + y) * lattice[2] + z
+    };
+    (0..NODES).map(of).collect()
+}
+
+/// Pattern of all unknowns that share a cell: three of each node.
+fn pattern(members: &[Vec<usize>], count: usize) -> Problem {
+    let mut cells = vec![Vec::new(); count];
+    for (cell, members) in members.iter().enumerate() {
+        members.iter().for_each(|node| cells[*node].push(cell));
+    }
+    let mut problem = Problem { size: 3 * count, starts: vec![0], ..Problem::default() };
+    for (node, cells) in cells.iter().enumerate() {
+        let mut near: Vec<usize> = cells.iter().flat_map(|cell| &members[*cell]).copied().collect();
+        near.retain(|other| *other >= node);
+        near.sort_unstable();
+        near.dedup();
+        for component in 0..3 {
+            let rows = near.iter().flat_map(|other| (0..3).map(move |part| 3 * other + part));
+            problem.rows.extend(rows.filter(|row| *row >= 3 * node + component));
+            problem.starts.push(problem.rows.len());
+        }
+    }
+    problem.stiffness = vec![0.0; problem.rows.len()];
+    problem.mass = vec![0.0; problem.rows.len()];
+    problem
+}
+
+fn add(problem: &mut Problem, cell: &CellMatrices, members: &[usize]) {
+    for (b, &column_node) in members.iter().enumerate() {
+        for j in 0..3 {
+            let column = 3 * column_node + j;
+            let begin = problem.starts[column];
+            let rows = &problem.rows[begin..problem.starts[column + 1]];
+            for (a, &row_node) in members.iter().enumerate().filter(|(_, node)| **node >= column_node) {
+                // A node's three rows lie side by side; in its own column those from the diagonal on.
+                let first = if row_node == column_node { j } else { 0 };
+                let entry = begin + rows.partition_point(|row| *row < 3 * row_node + first);
+                for i in first..3 {
+                    problem.stiffness[entry + i - first] += cell.stiffness[i][j][(a, b)];
+                }
+                if first <= j {
+                    problem.mass[entry + j - first] += cell.mass[(a, b)];
+                }
+            }
+        }
+    }
+}
