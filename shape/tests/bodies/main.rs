@@ -5,6 +5,7 @@ mod truth;
 
 mod boxes;
 mod pairs;
+mod rounds;
 mod thin;
 
 use std::f64::consts::{PI, TAU};
@@ -182,43 +183,6 @@ fn faults_of_a_shape_are_named() {
     named(&plate(polygon, 0.01, "free").replace("0.3", "0.5"), "poisson");
     named(&plate(polygon, 0.01, "free").replace("8000", "0"), "density_kg_per_m3");
     named(&plate(polygon, 0.01, "free").replace("kind", "color = 1, kind"), "color");
-}
-
-/// Returns ω a/c of shear waves of a sphere's lowest spheroidal mode of degree 2 (Eringen and
-/// Suhubi, Elastodynamics II, 1975).
-pub(crate) fn spheroidal(poisson: f64) -> f64 {
-    let j2 = |x: f64| (3.0 / x.powi(3) - 1.0 / x) * x.sin() - 3.0 / (x * x) * x.cos();
-    let j3 = |x: f64| (15.0 / x.powi(4) - 6.0 / (x * x)) * x.sin() - (15.0 / x.powi(3) - 1.0 / x) * x.cos();
-    let determinant = |k: f64| {
-        let h = k * ((1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson))).sqrt();
-        let pressure = [(2.0 - k * k / 2.0) * j2(h) + 2.0 * h * j3(h), j2(h) - h * j3(h)];
-        let shear = [6.0 * (j2(k) - k * j3(k)), (3.0 - k * k / 2.0) * j2(k) + k * j3(k)];
-        pressure[0] * shear[1] - shear[0] * pressure[1]
-    };
-    let (mut low, mut high) = (2.5, 2.8);
-    for _ in 0..60 {
-        let half = (low + high) / 2.0;
-        if determinant(low) * determinant(half) <= 0.0 { high = half } else { low = half }
-    }
-    low
-}
-
-#[test]
-fn a_sphere_has_its_multiplets_of_five() {
-    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="2" height="2"><path d="M0,0 A1,1 0 0,1 0,2 Z"/></svg>"#;
-    let text = format!(
-        "format = 1\nname = \"ball\"\nshape = {{ kind = \"revolve\", outline = \"half.svg\", unit_m = 0.1 }}\nmaterial = {{ {METAL} }}\n"
-    );
-    let solved = solve_text(&text, Some(svg), Wanted::Lowest(10), 0.0005).unwrap();
-    let shear_m_per_s = (200e9_f64 / 2.6 / 8000.0).sqrt();
-    // Torsional and spheroidal modes of degree 2, ω a/c of shear waves.
-    let expected: Vec<f64> =
-        [2.501_133, spheroidal(0.3)].iter().flat_map(|root| [root * shear_m_per_s / 0.1 / TAU; 5]).collect();
-    assert_eq!(solved.rigid, 6);
-    assert!((solved.mass_kg / (8000.0 * 4.0 / 3.0 * PI * 1e-3) - 1.0).abs() < 1e-6, "{}", solved.mass_kg);
-    assert_within(&solved, &expected, 0.0002);
-    let found = frequencies(&solved);
-    assert!(found[4] / found[0] - 1.0 < 1e-4 && found[9] / found[5] - 1.0 < 1e-4, "{found:?}");
 }
 
 #[test]

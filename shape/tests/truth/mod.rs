@@ -7,3 +7,4 @@ pub(crate) mod bessel;
 pub(crate) mod kirchhoff;
 pub(crate) mod line;
 pub(crate) mod ritz;
+pub(crate) mod round;
