@@ -79,10 +79,30 @@ pub(crate) fn ring_membrane(inner: f64, limit: f64) -> Vec<f64> {
     pairs(limit, |n| roots(first(n), limit, 0.05, |x| j(n, x) * y(n, inner * x) - j(n, inner * x) * y(n, x)))
 }
 
+/// Roots of the frequency equation of a clamped thin disc for a number of waves round it.
+fn disc_roots(waves: u32, limit: f64) -> Vec<f64> {
+    // J I' - I J' with f' = n/x f -/+ f of the next order.
+    roots(first(waves), limit, 0.05, |x| j(waves, x) * i(waves + 1, x) + i(waves, x) * j(waves + 1, x))
+}
+
 /// Wave numbers times radius of a clamped thin disc, in order up to a limit.
 pub(crate) fn clamped_disc(limit: f64) -> Vec<f64> {
-    // J I' - I J' with f' = n/x f -/+ f of the next order.
-    pairs(limit, |n| roots(first(n), limit, 0.05, |x| j(n, x) * i(n + 1, x) + i(n, x) * j(n + 1, x)))
+    pairs(limit, |waves| disc_roots(waves, limit))
+}
+
+/// Waves round a clamped thin disc and wave number times radius of each mode or pair, in order up
+/// to a limit.
+pub(crate) fn clamped_disc_modes(limit: f64) -> Vec<(u32, f64)> {
+    let of_waves = |waves: u32| disc_roots(waves, limit).into_iter().map(move |number| (waves, number));
+    let mut modes: Vec<(u32, f64)> = (0..limit as u32).flat_map(of_waves).collect();
+    modes.sort_by(|a, b| a.1.total_cmp(&b.1));
+    modes
+}
+
+/// Shape of a clamped thin disc's mode along the radius, as a share of it.
+pub(crate) fn clamped_disc_shape((waves, number): (u32, f64), share: f64) -> f64 {
+    let grown = i(waves, number * share) * (number * (share - 1.0)).exp() / i(waves, number);
+    j(waves, number * share) - j(waves, number) * grown
 }
 
 /// Wave numbers times outer radius of a thin plate clamped at two circles, in order up to a limit.
