@@ -72,7 +72,7 @@ fn pressure_near_a_hinged_rectangle_is_the_integral_of_its_sines() {
         worst = worst.max(apart(mode.gains[0], expected));
     }
     println!("worst {:.4} % of 12 modes", 100.0 * worst);
-    assert!(worst < 2e-3, "{worst}");
+    assert!(worst < 1.2e-3, "{worst}");
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn pressure_far_from_a_hinged_rectangle_has_its_closed_form() {
     });
     let worst = sizes.map(|(found, expected)| (found / expected - 1.0).abs()).fold(0.0, f64::max);
     println!("worst {:.4} % of 12 modes", 100.0 * worst);
-    assert!(worst < 1e-2, "{worst}");
+    assert!(worst < 1.6e-3, "{worst}");
 }
 
 /// Factor of a clamped disc's shape, of radius 1 m, for unit modal mass.
@@ -130,7 +130,7 @@ fn pairs_of_a_clamped_disc_sum_to_cosines_of_the_angle() {
             }
         }
         println!("worst {:.4} %", 100.0 * worst);
-        assert!(worst < 2e-3, "{worst}");
+        assert!(worst < 2.5e-4, "{worst}");
     }
 }
 
@@ -168,7 +168,7 @@ fn pressure_on_the_axis_of_a_clamped_disc_is_that_of_its_bessel_functions() {
         count += 1;
     }
     println!("worst {:.4} % of {count} modes", 100.0 * worst);
-    assert!(count >= 3 && worst < 2e-3, "{worst} of {count}");
+    assert!(count >= 3 && worst < 4e-5, "{worst} of {count}");
 }
 
 #[test]
@@ -181,6 +181,7 @@ fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
         sound = { readout = \"velocity\", at_m = [0.31, 0.27] }\n";
     let solved = solve_text(text, None, Wanted::Lowest(12), 0.001).unwrap();
     let mass: f64 = 8000.0 * 0.001 * 1.3;
+    let mut worst = 0.0_f64;
     for (mode, waves) in solved.modes.iter().zip(waves()) {
         for (position, gain) in mode.gains.iter().enumerate() {
             let share = position as f64 / 4.0;
@@ -188,10 +189,12 @@ fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
             let expected = sines(waves, at) * sines(waves, [0.31, 0.27]);
             let largest = 4.0 / mass;
             if expected.abs() > 0.1 * largest {
-                assert!((gain.cosine / expected - 1.0).abs() < 0.01, "{waves:?} at {at:?}: {gain:?}, {expected}");
+                worst = worst.max((gain.cosine / expected - 1.0).abs());
             }
             let ratio = mode.decay_per_s / (TAU * mode.frequency_hz);
             assert!((gain.sine + gain.cosine * ratio).abs() <= 1e-12 * largest, "{gain:?}");
         }
     }
+    println!("worst {:.4} %", 100.0 * worst);
+    assert!(worst < 3e-3, "{worst}");
 }
