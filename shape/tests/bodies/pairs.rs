@@ -38,9 +38,9 @@ fn squares_have_their_pairs_within_a_hundred_thousandth() {
 
 #[test]
 fn discs_have_their_pairs_within_a_hundred_thousandth() {
-    for (edge, sizes) in [("free", [2, 1, 2, 2, 2]), ("clamped", [1, 2, 2, 1, 2])] {
+    for (edge, sizes) in [("free", [2, 1, 2, 2]), ("clamped", [1, 2, 2, 1])] {
         let text = plate("outline = \"disc.svg\", unit_m = 1", 0.05, edge);
-        let solved = solve_text(&text, Some(DISC), Wanted::Lowest(sizes.iter().sum()), 0.004).unwrap();
+        let solved = solve_text(&text, Some(DISC), Wanted::Lowest(sizes.iter().sum()), 0.02).unwrap();
         assert_groups(&format!("{edge} disc"), &solved, &sizes, 1e-5);
     }
 }
