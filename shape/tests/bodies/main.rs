@@ -9,7 +9,7 @@ mod pairs;
 mod rounds;
 mod thin;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use shape::file::ShapeFile;
 use shape::outline::Outline;
@@ -72,12 +72,6 @@ pub(crate) fn assert_within_of(solved: &Solved, expected: &[f64], share: f64, th
     let counted = solved.counted - solved.rigid;
     assert!((found.len()..found.len() + 8).contains(&counted), "the inertia counts {counted} modes");
     worst
-}
-
-pub(crate) fn sorted(mut values: Vec<f64>, count: usize) -> Vec<f64> {
-    values.sort_by(f64::total_cmp);
-    values.truncate(count);
-    values
 }
 
 #[test]
