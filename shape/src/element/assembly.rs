@@ -186,7 +186,7 @@ impl Element {
     /// Adds the masses of the swelling at a sample.
     fn swell(&mut self, [mixed, own]: [f64; 2], strains: &[[f64; STRAINS]], values: &[f64], components: usize) {
         let sum = |row: usize| strains[row][0] + strains[row][1];
-        let deflection = |row: usize| if row % components == 0 { values[row / components] } else { 0.0 };
+        let deflection = |row: usize| if row.is_multiple_of(components) { values[row / components] } else { 0.0 };
         let size = strains.len();
         for row in 0..size {
             for column in 0..size {

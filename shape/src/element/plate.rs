@@ -24,6 +24,8 @@ pub struct Plate {
     pub material: Material,
     /// Thickness h, metres.
     pub thickness: f64,
+    /// True if the mass takes in that the plate becomes thinner where it bends.
+    pub swells: bool,
 }
 
 impl Plate {
@@ -88,6 +90,9 @@ impl Body for Plate {
     /// orthotropic material does not tell how it becomes thinner.
     fn swelling(&self) -> Option<[f64; 2]> {
         let Elasticity::Isotropic { poisson, .. } = self.material.elasticity else { return None };
+        if !self.swells {
+            return None;
+        }
         let thinner = poisson / (1.0 - poisson);
         let mass = self.material.density * thinner * self.thickness.powi(3);
         Some([mass / 60.0, mass * thinner * self.thickness * self.thickness / 600.0])

@@ -66,7 +66,10 @@ impl Places {
             }
             None => normal(outline, at),
         };
-        let strikes = along(&path, count).into_iter().map(|at| (at, direction(&file.strike.direction, at))).collect();
+        let is_surface = file.strike.path_m.is_none() && kind == Kind::Revolve;
+        let places = along(&path, count).into_iter();
+        let places = places.map(|at| if is_surface { nearest(outline, at) } else { at });
+        let strikes = places.map(|at| (at, direction(&file.strike.direction, at))).collect();
         let heard = match (file.sound.readout, file.sound.at_m.as_deref()) {
             (Readout::Velocity, Some(&([x, y] | [x, y, _]))) => {
                 Heard::Velocity([x, y], direction(&file.sound.direction, [x, y]))
@@ -214,29 +217,41 @@ fn default_path(kind: Kind, outline: &Outline) -> Vec<Point> {
     vec![middle, at(NEAR_RIM * inside)]
 }
 
-/// Way along a profile from the point nearest the axis to the rim, along the longer side without
-/// the axis.
+/// Corners of the longest way along a profile from a point nearest the axis to the rim, without the
+/// axis where there is such a way.
 fn to_the_rim(sides: &[FlatSide]) -> Vec<Point> {
-    let outer: Vec<&FlatSide> = sides.iter().filter(|side| side.ring == 0).collect();
-    let radius = |side: &&FlatSide| side.from[0];
+    let outer: Vec<Point> = sides.iter().filter(|side| side.ring == 0).map(|side| side.from).collect();
     let count = outer.len();
-    let places = || outer.iter().enumerate();
-    let middle = places().min_by(|a, b| radius(a.1).total_cmp(&radius(b.1))).map_or(0, |place| place.0);
-    let rim = places().max_by(|a, b| radius(a.1).total_cmp(&radius(b.1))).map_or(0, |place| place.0);
-    let way = |from: usize, to: usize| {
-        let steps = (to + count - from) % count;
-        (0..=steps).filter_map(|step| outer.get((from + step) % count)).map(|side| side.from).collect::<Vec<Point>>()
+    let least = outer.iter().map(|at| at[0]).fold(f64::MAX, f64::min);
+    let rim = (0..count).max_by(|&a, &b| outer[a][0].total_cmp(&outer[b][0])).unwrap_or(0);
+    let way = |from: usize, step: usize| {
+        let numbers = std::iter::successors(Some(from), |number| Some((number + step) % count));
+        let before = numbers.take_while(|&number| number != rim);
+        before.map(|number| outer[number]).chain(outer.get(rim).copied()).collect::<Vec<Point>>()
     };
-    let back = way(rim, middle).into_iter().rev().collect::<Vec<Point>>();
-    let forth = way(middle, rim);
-    let length = |way: &[Point]| way.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
-    let has_axis = |way: &[Point]| way.windows(2).any(|pair| pair[0][0] == 0.0 && pair[1][0] == 0.0);
-    let is_forth = match [has_axis(&forth), has_axis(&back)] {
-        [false, true] => true,
-        [true, false] => false,
-        _ => length(&forth) >= length(&back),
+    let starts = (0..count).filter(|&number| outer[number][0] - least <= 1e-9 * outer[rim][0]);
+    let ways = starts.flat_map(|start| [way(start, 1), way(start, count - 1)]);
+    let length = |way: &[Point]| {
+        let has_axis = way.windows(2).any(|pair| pair[0][0] == 0.0 && pair[1][0] == 0.0);
+        let length = way.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
+        if has_axis { -length } else { length }
     };
-    if is_forth { forth } else { back }
+    ways.max_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or_default()
+}
+
+/// Point of an outline that lies nearest to a point.
+fn nearest(outline: &Outline, at: Point) -> Point {
+    let steps = 32;
+    let sides = outline.sides();
+    let places = sides.iter().flat_map(|side| (0..=steps).map(move |step| (side, f64::from(step) / f64::from(steps))));
+    let far = |side: &FlatSide, share: f64| distance(side.point(share), at);
+    let Some((side, share)) = places.min_by(|a, b| far(a.0, a.1).total_cmp(&far(b.0, b.1))) else { return at };
+    let (mut low, mut high) = ((share - 1.0 / f64::from(steps)).max(0.0), (share + 1.0 / f64::from(steps)).min(1.0));
+    for _ in 0..60 {
+        let [a, b] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
+        if far(side, a) <= far(side, b) { high = b } else { low = a }
+    }
+    side.point((low + high) / 2.0)
 }
 
 /// Point of a grid over the body that lies farthest from its rim.

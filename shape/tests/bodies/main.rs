@@ -4,8 +4,12 @@
 mod truth;
 
 mod boxes;
+mod gains;
+mod pairs;
+mod rounds;
+mod thin;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use shape::file::ShapeFile;
 use shape::outline::Outline;
@@ -13,6 +17,13 @@ use shape::solve::{self, SolveError, Solved, Wanted};
 
 /// Material of the tests: E 200 GPa, ν 0.3, ρ 8000 kg/m³, without damping.
 pub(crate) const METAL: &str = "density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0";
+
+/// Drawing of a circle of radius 1.
+pub(crate) const DISC: &str =
+    r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
+/// Profile of a sphere of radius 1.
+pub(crate) const SPHERE: &str =
+    r#"<svg xmlns="http://www.w3.org/2000/svg" width="2" height="2"><path d="M0,0 A1,1 0 0,1 0,2 Z"/></svg>"#;
 
 pub(crate) fn solve_text(text: &str, svg: Option<&str>, wanted: Wanted, error: f64) -> Result<Solved, SolveError> {
     let file = ShapeFile::parse(text)?;
@@ -43,6 +54,11 @@ pub(crate) fn thin_hz(parameter: f64, size_m: f64, thickness: f64) -> f64 {
 
 /// Asserts that frequencies are within a share of others, and returns the largest difference.
 pub(crate) fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f64 {
+    assert_within_of(solved, expected, share, 0.0)
+}
+
+/// Asserts as [`assert_within`], against a theory that itself is off by a share.
+pub(crate) fn assert_within_of(solved: &Solved, expected: &[f64], share: f64, theory: f64) -> f64 {
     let found = frequencies(solved);
     assert!(found.len() >= expected.len(), "{found:?}");
     let off = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs();
@@ -50,7 +66,7 @@ pub(crate) fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f6
     let worst = offs.iter().copied().fold(0.0, f64::max);
     println!("worst {:.5} % of {} modes, {} unknowns", 100.0 * worst, expected.len(), solved.unknowns);
     assert!(worst <= share, "{found:?}\n{expected:?}");
-    let honest = solved.modes.iter().zip(&offs).filter(|(mode, off)| **off <= 2.0 * mode.error).count();
+    let honest = solved.modes.iter().zip(&offs).filter(|(mode, off)| **off <= 2.0 * mode.error + theory).count();
     assert!(20 * honest >= 19 * expected.len(), "estimates: {honest} of {} are honest", expected.len());
     // A multiplet at the end is counted whole.
     let counted = solved.counted - solved.rigid;
@@ -58,67 +74,8 @@ pub(crate) fn assert_within(solved: &Solved, expected: &[f64], share: f64) -> f6
     worst
 }
 
-pub(crate) fn sorted(mut values: Vec<f64>, count: usize) -> Vec<f64> {
-    values.sort_by(f64::total_cmp);
-    values.truncate(count);
-    values
-}
-
 #[test]
-pub(crate) fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
-    for aspect in [1.0, 1.37, 3.1] {
-        let polygon = format!("polygon_m = [[0, 0], [{aspect}, 0], [{aspect}, 1], [0, 1]]");
-        let solved = solve_text(&plate(&polygon, 0.0005, "hinged"), None, Wanted::Lowest(32), 0.001).unwrap();
-        let waves = (1..40).flat_map(|m| (1..40).map(move |n| [f64::from(m), f64::from(n)]));
-        let parameter = |[m, n]: [f64; 2]| PI * PI * ((m / aspect).powi(2) + n * n);
-        let expected = sorted(waves.map(|waves| thin_hz(parameter(waves), 1.0, 0.0005)).collect(), 32);
-        assert_within(&solved, &expected, 0.001);
-    }
-}
-
-#[test]
-pub(crate) fn thin_clamped_squares_and_discs_have_the_published_frequencies() {
-    let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
-    let square = solve_text(&plate(polygon, 0.0005, "clamped"), None, Wanted::Lowest(6), 0.001).unwrap();
-    let parameters = [35.9852, 73.3938, 73.3938, 108.217, 131.581, 132.205];
-    assert_within(&square, &parameters.map(|parameter| thin_hz(parameter, 1.0, 0.0005)), 0.001);
-    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
-    let text = plate("outline = \"disc.svg\", unit_m = 1", 0.0005, "clamped");
-    let disc = solve_text(&text, Some(svg), Wanted::Lowest(12), 0.001).unwrap();
-    let parameters =
-        [10.2158, 21.2604, 21.2604, 34.8770, 34.8770, 39.7711, 51.0300, 51.0300, 60.8287, 60.8287, 69.6658, 69.6658];
-    assert_within(&disc, &parameters.map(|parameter| thin_hz(parameter, 1.0, 0.0005)), 0.001);
-    for pair in [[1, 2], [3, 4], [6, 7]] {
-        let [a, b] = pair.map(|mode: usize| frequencies(&disc)[mode]);
-        assert!((a / b - 1.0).abs() < 1e-3, "{a} and {b} are a pair");
-    }
-}
-
-#[test]
-pub(crate) fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
-    let text = |shape: &str| {
-        format!(
-            "format = 1\nname = \"skin\"\nshape = {{ kind = \"membrane\", {shape}, tension_n_per_m = 1, density_kg_per_m2 = 1 }}\nmaterial = {{ loss_factor = 0 }}\n"
-        )
-    };
-    let l = "polygon_m = [[0, 0], [1, 0], [1, -1], [-1, -1], [-1, 1], [0, 1]]";
-    let solved = solve_text(&text(l), None, Wanted::Lowest(3), 0.0005).unwrap();
-    let expected = [9.639_723_8_f64, 15.197_252, 19.739_209].map(|value| value.sqrt() / TAU);
-    assert_within(&solved, &expected, 0.0005);
-    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><circle cx="2" cy="2" r="1"/></svg>"#;
-    let disc = solve_text(&text("outline = \"disc.svg\", unit_m = 1"), Some(svg), Wanted::Lowest(8), 0.0005).unwrap();
-    let zeros = [2.404_825_6, 3.831_706, 3.831_706, 5.135_622_3, 5.135_622_3, 5.520_078_1, 6.380_161_9, 6.380_161_9];
-    assert_within(&disc, &zeros.map(|zero| zero / TAU), 0.0005);
-    // Equilateral triangle of side 1: λ = (16 π²/9) (m² + m n + n²).
-    let triangle = format!("polygon_m = [[0, 0], [1, 0], [0.5, {}]]", 0.75_f64.sqrt());
-    let solved = solve_text(&text(&triangle), None, Wanted::Lowest(8), 0.0005).unwrap();
-    let waves = (1..12).flat_map(|m| (1..12).map(move |n| f64::from(m * m + m * n + n * n)));
-    let expected = sorted(waves.map(|square| (16.0 / 9.0 * square).sqrt() * PI / TAU).collect(), 8);
-    assert_within(&solved, &expected, 0.0005);
-}
-
-#[test]
-pub(crate) fn benchmarks_are_as_near_as_the_page_says() {
+fn benchmarks_are_as_near_as_the_page_says() {
     for benchmark in shape::benchmarks::all() {
         let computed = benchmark.solve(0.001).unwrap();
         let differences: Vec<f64> = computed.iter().zip(benchmark.published_hz).map(|(a, b)| a / b - 1.0).collect();
@@ -127,44 +84,16 @@ pub(crate) fn benchmarks_are_as_near_as_the_page_says() {
             "FV12 free plate" | "FV16 thin-plate theory" => 0.003,
             "FV16 cantilever" => 0.013,
             "FV32 tapered sheet" => 0.001,
-            _ => 0.005,
+            "FV52 hinged, waves in space" => 0.0001,
+            "FV52 hinged, bending" => 0.002,
+            _ => 0.003,
         };
         assert!(differences.iter().all(|difference| difference.abs() <= most), "{}", benchmark.name);
     }
 }
 
 #[test]
-pub(crate) fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
-    let text = "format = 1\nname = \"plate\"\n\
-        shape = { kind = \"plate\", polygon_m = [[0, 0], [1.3, 0], [1.3, 1], [0, 1]], thickness_m = 0.001 }\n\
-        material = { density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0.01 }\n\
-        support = { edge = \"hinged\" }\n\
-        strike = { path_m = [[0.2, 0.3], [0.9, 0.8]], positions = 5 }\n\
-        sound = { readout = \"velocity\", at_m = [0.31, 0.27] }\n";
-    let solved = solve_text(text, None, Wanted::Lowest(12), 0.001).unwrap();
-    let mass: f64 = 8000.0 * 0.001 * 1.3;
-    let waves = (1..9).flat_map(|m| (1..9).map(move |n| [f64::from(m), f64::from(n)]));
-    let mut waves: Vec<[f64; 2]> = waves.collect();
-    let square = |[m, n]: [f64; 2]| (m / 1.3).powi(2) + n * n;
-    waves.sort_by(|&a, &b| square(a).total_cmp(&square(b)));
-    let shape = |[m, n]: [f64; 2], [x, y]: [f64; 2]| (m * PI * x / 1.3).sin() * (n * PI * y).sin() * 2.0 / mass.sqrt();
-    for (mode, &waves) in solved.modes.iter().zip(&waves) {
-        for (position, gain) in mode.gains.iter().enumerate() {
-            let share = position as f64 / 4.0;
-            let at = [0.2 + 0.7 * share, 0.3 + 0.5 * share];
-            let expected = shape(waves, at) * shape(waves, [0.31, 0.27]);
-            let largest = 4.0 / mass;
-            if expected.abs() > 0.1 * largest {
-                assert!((gain.cosine / expected - 1.0).abs() < 0.01, "{waves:?} at {at:?}: {gain:?}, {expected}");
-            }
-            let ratio = mode.decay_per_s / (TAU * mode.frequency_hz);
-            assert!((gain.sine + gain.cosine * ratio).abs() <= 1e-12 * largest, "{gain:?}");
-        }
-    }
-}
-
-#[test]
-pub(crate) fn strike_and_point_exchanged_give_the_same_gains() {
+fn strike_and_point_exchanged_give_the_same_gains() {
     let text = |strike: &str, heard: &str| {
         format!(
             "format = 1\nname = \"l\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [0.2, 0], [0.2, 0.1], [0.1, 0.1], [0.1, 0.3], [0, 0.3]], thickness_m = 0.004 }}\n\
@@ -179,7 +108,7 @@ pub(crate) fn strike_and_point_exchanged_give_the_same_gains() {
 }
 
 #[test]
-pub(crate) fn stiffness_density_and_size_scale_all_frequencies() {
+fn stiffness_density_and_size_scale_all_frequencies() {
     let text = |size: f64, youngs: f64, density: f64| {
         format!(
             "format = 1\nname = \"bar\"\nshape = {{ kind = \"plate\", polygon_m = [[0, 0], [{}, 0], [{}, {}], [0, {}]], thickness_m = {} }}\n\
@@ -205,7 +134,7 @@ pub(crate) fn stiffness_density_and_size_scale_all_frequencies() {
 }
 
 #[test]
-pub(crate) fn faults_of_a_shape_are_named() {
+fn faults_of_a_shape_are_named() {
     let polygon = "polygon_m = [[0, 0], [1, 0], [1, 1], [0, 1]]";
     let named = |text: &str, word: &str| {
         let error = solve_text(text, None, Wanted::Lowest(4), 0.01).unwrap_err().to_string();
@@ -222,45 +151,8 @@ pub(crate) fn faults_of_a_shape_are_named() {
     named(&plate(polygon, 0.01, "free").replace("kind", "color = 1, kind"), "color");
 }
 
-/// Returns ω a/c of shear waves of a sphere's lowest spheroidal mode of degree 2 (Eringen and
-/// Suhubi, Elastodynamics II, 1975).
-pub(crate) fn spheroidal(poisson: f64) -> f64 {
-    let j2 = |x: f64| (3.0 / x.powi(3) - 1.0 / x) * x.sin() - 3.0 / (x * x) * x.cos();
-    let j3 = |x: f64| (15.0 / x.powi(4) - 6.0 / (x * x)) * x.sin() - (15.0 / x.powi(3) - 1.0 / x) * x.cos();
-    let determinant = |k: f64| {
-        let h = k * ((1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson))).sqrt();
-        let pressure = [(2.0 - k * k / 2.0) * j2(h) + 2.0 * h * j3(h), j2(h) - h * j3(h)];
-        let shear = [6.0 * (j2(k) - k * j3(k)), (3.0 - k * k / 2.0) * j2(k) + k * j3(k)];
-        pressure[0] * shear[1] - shear[0] * pressure[1]
-    };
-    let (mut low, mut high) = (2.5, 2.8);
-    for _ in 0..60 {
-        let half = (low + high) / 2.0;
-        if determinant(low) * determinant(half) <= 0.0 { high = half } else { low = half }
-    }
-    low
-}
-
 #[test]
-pub(crate) fn a_sphere_has_its_multiplets_of_five() {
-    let svg = r#"<svg xmlns="http://www.w3.org/2000/svg" width="2" height="2"><path d="M0,0 A1,1 0 0,1 0,2 Z"/></svg>"#;
-    let text = format!(
-        "format = 1\nname = \"ball\"\nshape = {{ kind = \"revolve\", outline = \"half.svg\", unit_m = 0.1 }}\nmaterial = {{ {METAL} }}\n"
-    );
-    let solved = solve_text(&text, Some(svg), Wanted::Lowest(10), 0.0005).unwrap();
-    let shear_m_per_s = (200e9_f64 / 2.6 / 8000.0).sqrt();
-    // Torsional and spheroidal modes of degree 2, ω a/c of shear waves.
-    let expected: Vec<f64> =
-        [2.501_133, spheroidal(0.3)].iter().flat_map(|root| [root * shear_m_per_s / 0.1 / TAU; 5]).collect();
-    assert_eq!(solved.rigid, 6);
-    assert!((solved.mass_kg / (8000.0 * 4.0 / 3.0 * PI * 1e-3) - 1.0).abs() < 1e-6, "{}", solved.mass_kg);
-    assert_within(&solved, &expected, 0.0002);
-    let found = frequencies(&solved);
-    assert!(found[4] / found[0] - 1.0 < 1e-4 && found[9] / found[5] - 1.0 < 1e-4, "{found:?}");
-}
-
-#[test]
-pub(crate) fn pairs_of_a_bell_part_by_the_split_and_warble() {
+fn pairs_of_a_bell_part_by_the_split_and_warble() {
     let text = |split: f64, at: &str| {
         format!(
             "format = 1\nname = \"cup\"\nshape = {{ kind = \"revolve\", split = {split}, profile_m = [[0, 0], [0.03, 0], [0.04, 0.08], [0.037, 0.08], [0.028, 0.003], [0, 0.003]] }}\n\

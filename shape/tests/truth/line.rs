@@ -74,6 +74,24 @@ impl Line {
         line
     }
 
+    /// Makes orthonormal functions of others, each given by its value and first derivative at a
+    /// place, by the places and weights of a quadrature.
+    pub(crate) fn over(points: &[[f64; 2]], functions: &[impl Fn(f64) -> [f64; 2]]) -> Self {
+        let mut line = Self { weights: points.iter().map(|point| point[1]).collect(), functions: vec![] };
+        for function in functions {
+            line.push(points.iter().map(|[x, _]| {
+                let [value, slope] = function(*x);
+                [value, slope, 0.0]
+            }));
+        }
+        line
+    }
+
+    /// Value of a function or, with the order 1, of its derivative at a point of the quadrature.
+    pub(crate) fn value(&self, function: usize, order: usize, point: usize) -> f64 {
+        self.functions[function][order][point]
+    }
+
     /// Adds a function made orthonormal to those before, unless it is one of their sums.
     fn push(&mut self, values: impl Iterator<Item = [f64; 3]> + Clone) {
         let mut new = [0, 1, 2].map(|order| values.clone().map(|value| value[order]).collect::<Vec<f64>>());

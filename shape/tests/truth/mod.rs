@@ -3,5 +3,8 @@
 // Each test program takes a part of it.
 #![allow(dead_code)]
 
+pub(crate) mod bessel;
+pub(crate) mod kirchhoff;
 pub(crate) mod line;
 pub(crate) mod ritz;
+pub(crate) mod round;
