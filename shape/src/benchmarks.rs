@@ -30,9 +30,9 @@ impl Benchmark {
 }
 
 /// Benchmarks of NAFEMS (Selected benchmarks for natural frequency analysis, 1987), and thin-plate
-/// values of FV16. Those of FV52 are Mindlin's plate theory with the shear factor π²/12, and without
-/// swelling; elasticity in space has the frequencies of Rayleigh's and Lamb's waves beside them.
-pub fn all() -> [Benchmark; 7] {
+/// values of FV16. Those of FV52 in bending are Mindlin's plate theory, up to 0.55 % below
+/// elasticity in space.
+pub fn all() -> [Benchmark; 6] {
     [
         Benchmark {
             name: "FV12 free plate",
@@ -50,12 +50,7 @@ pub fn all() -> [Benchmark; 7] {
             shape: FV32,
             published_hz: &[44.623, 130.03, 162.70, 246.05, 379.90, 391.44],
         },
-        Benchmark { name: "FV52 hinged, bending", shape: FV52_PLAIN, published_hz: &[45.897, 109.44, 109.44, 167.89] },
-        Benchmark {
-            name: "FV52 hinged, waves in space",
-            shape: FV52_PLATE,
-            published_hz: &[45.971, 109.857, 109.857, 168.819],
-        },
+        Benchmark { name: "FV52 hinged, bending", shape: FV52_PLATE, published_hz: &[45.897, 109.44, 109.44, 167.89] },
         Benchmark { name: "FV52 in its plane", shape: FV52_SHEET, published_hz: &[193.59, 206.64, 206.64] },
     ]
 }
@@ -87,14 +82,6 @@ const FV52_PLATE: &str = r#"
 format = 1
 name = "FV52"
 shape = { kind = "plate", polygon_m = [[0, 0], [10, 0], [10, 10], [0, 10]], thickness_m = 1 }
-material = { density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0 }
-support = { edge = "hinged" }
-"#;
-
-const FV52_PLAIN: &str = r#"
-format = 1
-name = "FV52"
-shape = { kind = "plate", polygon_m = [[0, 0], [10, 0], [10, 10], [0, 10]], thickness_m = 1, swelling = false }
 material = { density_kg_per_m3 = 8000, youngs_modulus_pa = 200e9, poisson = 0.3, loss_factor = 0 }
 support = { edge = "hinged" }
 "#;

@@ -155,7 +155,7 @@ fn skewed([x, y]: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn plates_with_constant_curvature_have_its_energy() {
-    let plate = Plate { material: steel(), thickness: 0.1, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.1 };
     // On curved elements the square of a coordinate is no polynomial of order 4.
     for (mesh, bound) in [(grid(2, 2, |_, _| true, skewed), 1e-9), (sector(1.0, 0.0, 2.0 * PI, 8), 1e-4)] {
         let discrete = plate.discretise(&mesh, 4, &FREE).unwrap();
@@ -191,7 +191,7 @@ fn orthotropic_stiffness_turns_with_the_grain() {
     let energy_at = |grain: f64, shear: f64| {
         let elasticity =
             Elasticity::Orthotropic { young: [10e9, 1e9], poisson: 0.3, shear, transverse: [0.7e9, 0.05e9], grain };
-        let plate = Plate { material: Material { elasticity, density: 500.0 }, thickness: 0.01, swells: true };
+        let plate = Plate { material: Material { elasticity, density: 500.0 }, thickness: 0.01 };
         let discrete = plate.discretise(&rectangle(1, 1, 1.0, 1.0), 2, &FREE).unwrap();
         // Curvature along the grain only, and shear across it only.
         let (sine, cosine) = grain.sin_cos();
@@ -256,7 +256,7 @@ fn square_and_l_shaped_membranes_have_known_frequencies() {
 
 #[test]
 fn hinged_thin_square_has_the_frequencies_of_kirchhoff() {
-    let plate = Plate { material: steel(), thickness: 0.001, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.001 };
     let scale = PI * PI * (rigidity(0.001) / 8.0).sqrt();
     let expected = [2.0, 5.0, 5.0, 8.0].map(|sum| sum * scale);
     let discrete = plate.discretise(&rectangle(3, 3, 1.0, 1.0), 4, &HINGED).unwrap();
@@ -270,7 +270,7 @@ fn hinged_thin_square_has_the_frequencies_of_kirchhoff() {
 
 #[test]
 fn clamped_thin_square_has_known_frequencies() {
-    let plate = Plate { material: steel(), thickness: 0.001, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.001 };
     let discrete = plate.discretise(&rectangle(4, 4, 1.0, 1.0), 4, &CLAMPED).unwrap();
     let scale = (rigidity(0.001) / 8.0).sqrt();
     assert_near(&frequencies(&discrete), &[35.985, 73.39, 73.39, 108.2].map(|root| root * scale), 1e-3);
@@ -278,7 +278,7 @@ fn clamped_thin_square_has_known_frequencies() {
 
 #[test]
 fn free_square_plate_has_the_frequencies_of_nafems_fv12() {
-    let plate = Plate { material: steel(), thickness: 0.05, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.05 };
     let discrete = plate.discretise(&rectangle(3, 3, 10.0, 10.0), 4, &FREE).unwrap();
     assert_eq!(discrete.rigid, 3);
     let expected = [1.622, 2.360, 2.922, 4.190, 4.190, 7.356].map(|hertz| 2.0 * PI * hertz);
@@ -287,7 +287,7 @@ fn free_square_plate_has_the_frequencies_of_nafems_fv12() {
 
 #[test]
 fn hinged_thin_disc_has_the_frequencies_of_kirchhoff() {
-    let plate = Plate { material: steel(), thickness: 0.002, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.002 };
     let discrete = plate.discretise(&sector(1.0, 0.0, 2.0 * PI, 10), 4, &HINGED).unwrap();
     let scale = (rigidity(0.002) / 16.0).sqrt();
     assert_near(&frequencies(&discrete), &[4.9351, 13.8982, 13.8982].map(|root| root * scale), 2e-3);
@@ -318,7 +318,7 @@ fn free_sphere_of_revolution_has_the_frequencies_of_lamb() {
 #[test]
 fn supports_leave_the_rigid_motions_that_they_do_not_hold() {
     let mesh = rectangle(1, 1, 2.0, 1.0);
-    let plate = Plate { material: steel(), thickness: 0.01, swells: true };
+    let plate = Plate { material: steel(), thickness: 0.01 };
     let sheet = Sheet { material: steel(), thickness: 0.01, state: PlaneState::Strain };
     let hinge = [Support::Hinged, Support::Free, Support::Free, Support::Free];
     assert_eq!(plate.discretise(&mesh, 2, &hinge).unwrap().rigid, 1);
@@ -348,6 +348,6 @@ fn impossible_bodies_and_meshes_are_errors() {
     assert_eq!(Nodes::new(&strange, 2).err(), Some(Error::Edge([0, 2])));
     let slack = Membrane { tension: 0.0, density: 1.0 };
     assert!(matches!(slack.discretise(&mesh, 2, &FREE), Err(Error::Quantity { .. })));
-    let limp = Plate { material: Material::isotropic(1.0, 0.5, 1.0), thickness: 1.0, swells: true };
+    let limp = Plate { material: Material::isotropic(1.0, 0.5, 1.0), thickness: 1.0 };
     assert!(matches!(limp.discretise(&mesh, 2, &FREE), Err(Error::Quantity { .. })));
 }

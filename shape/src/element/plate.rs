@@ -1,20 +1,23 @@
 //! Plates after Reissner and Mindlin.
 
+use std::f64::consts::PI;
+
 use super::assembly::{Body, STRAINS, assemble};
 use super::support::Ties;
 use super::{Discrete, Elasticity, Error, Material, Nodes, Support, positive};
 use crate::mesh::Mesh;
 use crate::outline::Point;
 
-/// Part of the shear over the thickness that a plate whose sections stay plane counts.
-const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
+/// Part of the shear over the thickness that a plate whose sections stay plane counts (Mindlin
+/// 1951). Published plate frequencies have it; 5/6 would make waves exact up to (k h)², and is
+/// 0.55 % off the benchmark FV52.
+const SHEAR_CORRECTION: f64 = PI * PI / 12.0;
 
 /// Flat plate that bends and shears, after Reissner and Mindlin.
 ///
 /// A plate that bends becomes thinner where it is stretched: with a = ν/(1 - ν), a point moves
 /// across the plate by w + a (∂θx/∂x + ∂θy/∂y) (z²/2 - h²/40), of which w is the mean weighted by
-/// the shear's parabola. The mass takes this in. Waves along an isotropic plate then have the
-/// frequencies of elasticity in space up to (k h)²; bending of a narrow bar, too.
+/// the shear's parabola. The mass takes this in.
 ///
 /// Components: the deflection w, metres, and the slopes θx and θy of what was normal to the plate:
 /// a point at height z above the middle moves by -z θ in the plane. Without shear θ = ∇w.
@@ -24,8 +27,6 @@ pub struct Plate {
     pub material: Material,
     /// Thickness h, metres.
     pub thickness: f64,
-    /// True if the mass takes in that the plate becomes thinner where it bends.
-    pub swells: bool,
 }
 
 impl Plate {
@@ -90,9 +91,6 @@ impl Body for Plate {
     /// orthotropic material does not tell how it becomes thinner.
     fn swelling(&self) -> Option<[f64; 2]> {
         let Elasticity::Isotropic { poisson, .. } = self.material.elasticity else { return None };
-        if !self.swells {
-            return None;
-        }
         let thinner = poisson / (1.0 - poisson);
         let mass = self.material.density * thinner * self.thickness.powi(3);
         Some([mass / 60.0, mass * thinner * self.thickness * self.thickness / 600.0])

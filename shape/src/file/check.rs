@@ -25,9 +25,6 @@ impl ShapeFile {
         if is_round && shape.polygon_m.is_some() || !is_round && (shape.profile_m.is_some() || shape.split.is_some()) {
             return Err(FileError::Keys("a body of revolution has profile_m and split, any other one polygon_m"));
         }
-        if shape.swelling.is_some() && shape.kind != Kind::Plate {
-            return Err(FileError::Keys("shape.swelling is a plate's alone"));
-        }
         if let Some(value) = shape.split.filter(|split| !(0.0..0.1).contains(split)) {
             return Err(FileError::Range { key: "shape.split", value, range: "0 or above, and below 0.1" });
         }

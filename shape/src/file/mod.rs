@@ -85,9 +85,6 @@ pub struct Shape {
     pub holes_m: Vec<Vec<[f64; 2]>>,
     /// Thickness of a plate, width of a sheet, metres.
     pub thickness_m: Option<f64>,
-    /// False if the mass of a plate leaves out that it becomes thinner where it bends, as published
-    /// values of plate theory do.
-    pub swelling: Option<bool>,
     /// Tension of a membrane, N/m.
     pub tension_n_per_m: Option<f64>,
     /// Mass of a membrane per area, kg/m².
