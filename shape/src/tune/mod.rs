@@ -21,6 +21,8 @@ pub use error::TuneError;
 const MOST_RATIOS: usize = 3;
 /// Ratio beyond which no bending mode of a bar lies.
 const HIGHEST_RATIO: f64 = 30.0;
+/// Fundamentals that a bar can be cut to, Hz.
+const FUNDAMENTALS_HZ: std::ops::RangeInclusive<f64> = 10.0..=20_000.0;
 /// Largest number of Newton steps.
 const STEPS: usize = 25;
 /// Distance of a ratio from the one that is asked for at which the search ends, in logarithms.
@@ -69,7 +71,7 @@ impl Wish {
             return Err(TuneError::Ratios { most: HIGHEST_RATIO });
         }
         match self.fundamental_hz {
-            Some(hz) if !(hz >= 10.0 && hz <= 20_000.0) => Err(TuneError::Fundamental(hz)),
+            Some(hz) if !FUNDAMENTALS_HZ.contains(&hz) => Err(TuneError::Fundamental(hz)),
             _ => Ok(()),
         }
     }
