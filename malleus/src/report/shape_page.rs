@@ -269,7 +269,7 @@ mod tests {
             counted: 7,
             counted_to_hz: 441.0,
             unknowns: 100,
-            triangles: 0,
+            elements: 0,
             mass_kg: 0.1,
             meshes: vec![],
             figure: None,

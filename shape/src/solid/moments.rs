@@ -64,8 +64,7 @@ impl Sums {
         if shadow == 0.0 {
             return;
         }
-        let column = self.layers(corners, 1);
-        for y in column {
+        for y in self.layers(corners, 1) {
             let strip = cut(corners, 1, y);
             for z in self.layers(&strip, 2) {
                 let pillar = cut(&strip, 2, z);
@@ -78,15 +77,14 @@ impl Sums {
     }
 
     /// Layers of cells that points span along an axis.
-    fn layers(&self, points: &[Point], axis: usize) -> std::ops::RangeInclusive<usize> {
+    fn layers(&self, points: &[Point], axis: usize) -> std::ops::Range<usize> {
         let low = points.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(|point| point[axis]).fold(f64::NEG_INFINITY, f64::max);
         let last = self.counts[axis] - 1;
         if points.is_empty() {
-            // An empty range.
-            return 1..=0;
+            return 0..0;
         }
-        (low as usize).min(last)..=(high as usize).min(last)
+        (low as usize).min(last)..(high as usize).min(last) + 1
     }
 
     fn add_piece(&mut self, piece: &[Point], cell: [usize; 3], sign: f64) {

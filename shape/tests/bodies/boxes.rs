@@ -70,7 +70,7 @@ fn products_of_legendre_polynomials_stand_to_a_hundred_thousandth() {
 
 #[test]
 fn free_plates_have_the_frequencies_of_elasticity_in_space() {
-    for (thickness, count, share) in [(0.01, 16, 1.1e-4), (0.03, 16, 1e-3), (0.05, 16, 2e-3), (0.1, 8, 3e-3)] {
+    for (thickness, count, share) in [(0.01, 16, 1.1e-4), (0.03, 16, 5.6e-4), (0.05, 16, 1.1e-3), (0.1, 8, 2.3e-3)] {
         let size = [1.0, 1.0, thickness];
         let truth = metal(size).bending(FUNCTIONS, count);
         let solved = plate(size, "free", Wanted::Lowest(count));
@@ -85,7 +85,7 @@ fn bars_up_to_13_khz_have_the_frequencies_of_elasticity_in_space() {
         let solved = plate(size, "free", Wanted::Below(13e3));
         let mut truth = metal(size).bending(Functions { degrees: [18, 10, 8], layer: 0 }, solved.modes.len() + 1);
         assert!(truth.pop_if(|above| *above > 13e3).is_some(), "a mode is missing: {truth:?}");
-        assert_near(&format!("bar of {thickness} m"), &solved, &truth, 2.4e-3);
+        assert_near(&format!("bar of {thickness} m"), &solved, &truth, 2.3e-3);
     }
 }
 
@@ -119,7 +119,7 @@ fn lamb_hz(number: f64, thickness: f64) -> f64 {
 
 #[test]
 fn hinged_plates_have_the_frequencies_of_waves_in_space() {
-    for (thickness, share) in [(0.05, 2e-3), (0.1, 5e-3), (0.2, 1.1e-2)] {
+    for (thickness, share) in [(0.05, 1.9e-3), (0.1, 5e-3), (0.2, 1e-2)] {
         let waves = (1..9).flat_map(|m| (1..9).map(move |n| f64::from(m).hypot(f64::from(n))));
         let truth = sorted(waves.map(|waves| lamb_hz(PI * waves, thickness)).collect(), 16);
         let solved = plate([1.0, 1.0, thickness], "hinged", Wanted::Lowest(16));

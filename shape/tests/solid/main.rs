@@ -136,6 +136,32 @@ fn cavities_are_left_out_of_a_body() {
 }
 
 #[test]
+#[ignore = "a minute and 1.8 GB: cargo test --release -p shape --test solid thin_tube -- --ignored --nocapture"]
+fn a_thin_tube_of_thirty_thousand_nodes_ends() {
+    let bore = |(points, triangles): Mesh| (points.into_iter().map(|[x, y, z]| [x, y, z + 0.003]).collect(), triangles);
+    let cup = with_cavity(cylinder(0.04, 0.15, 200), bore(cylinder(0.037, 0.144, 200)));
+    let clock = cpu_time::ProcessTime::now();
+    let solved = solve_surface(&cup, "", 20, 0.001).unwrap();
+    println!("{} unknowns: {:.1} s of processor time", solved.unknowns, clock.elapsed().as_secs_f64());
+    assert!(solved.unknowns > 90_000, "{}", solved.unknowns);
+}
+
+#[test]
+#[ignore = "measures time: cargo test --release -p shape --test solid eight_thousand -- --ignored --nocapture"]
+fn twenty_modes_of_eight_thousand_unknowns_take_two_seconds_of_one_core() {
+    let (points, triangles) = turned(cuboid([0.1, 0.09, 0.08]), [0.3, 0.5, 0.7]);
+    let surface = Surface::new(&points, &triangles).unwrap();
+    let clock = cpu_time::ProcessTime::now();
+    let cells = Solid { young: 200e9, poisson: 0.3, density: 8000.0 }
+        .discretise(&surface, &Grid::upright(&surface, 0.033))
+        .unwrap();
+    eigen::modes(&cells.problem, eigen::Wanted::Lowest(26), &mut |_, _| ()).unwrap();
+    let seconds = clock.elapsed().as_secs_f64();
+    println!("{} unknowns: {seconds:.2} s of processor time", cells.problem.size);
+    assert!(cells.problem.size > 8000 && seconds < 6.0, "{seconds} s of {} unknowns", cells.problem.size);
+}
+
+#[test]
 fn plate_and_solid_agree_on_a_bar() {
     let outline = "polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]], thickness_m = 0.008";
     let plate = frequencies(&solve_outline(&format!("kind = \"plate\", {outline}"), 6, 0.001));
