@@ -143,9 +143,9 @@ impl Problem {
         if sound { Ok(()) } else { Err(EigenError::Malformed) }
     }
 
-    /// Returns the ratio of the sums of stiffness and mass on the diagonal, (rad/s)²: a scale of high
-    /// eigenvalues. The highest of all tells less: motions of nearly no mass, as those of a cell
-    /// that the body hardly touches, have any.
+    /// Returns the ratio of the sums of stiffness and mass on the diagonal, (rad/s)²: a scale of
+    /// high eigenvalues. The highest of all tells less: motions of nearly no mass, as those of a
+    /// cell that the body hardly touches, have any.
     fn scale(&self) -> f64 {
         let sum = |entries: &[f64]| self.starts[..self.size].iter().map(|&at| entries[at]).sum::<f64>();
         sum(&self.stiffness) / sum(&self.mass)

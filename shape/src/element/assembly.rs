@@ -29,8 +29,8 @@ pub(super) trait Body {
     fn stiffness(&self) -> [[f64; STRAINS]; STRAINS];
     /// Returns the mass a unit of area for each component.
     fn inertia(&self) -> [f64; 3];
-    /// Returns the mass a unit of area of the deflection times the sum of the first two strains, and
-    /// of that sum squared.
+    /// Returns the mass a unit of area of the deflection times the sum of the first two strains,
+    /// and of that sum squared.
     fn swelling(&self) -> Option<[f64; 2]> {
         None
     }

@@ -77,8 +77,8 @@ pub struct Shape {
     pub outline: Option<PathBuf>,
     /// Surface of a solid, an STL or OBJ file beside the shape file.
     pub surface: Option<PathBuf>,
-    /// Metres of a unit of the outline's or the surface's file, or of a pixel of a PNG file; that of
-    /// a surface is 1 if missing.
+    /// Metres of a unit of the outline's or the surface's file, or of a pixel of a PNG file; that
+    /// of a surface is 1 if missing.
     pub unit_m: Option<f64>,
     /// Corners of each hole, metres.
     #[serde(default)]
@@ -124,8 +124,8 @@ pub struct Strike {
     pub path_m: Option<Vec<Vec<f64>>>,
     /// Number of positions evenly along the path, 1 to 64.
     pub positions: Option<usize>,
-    /// Direction of a strike on a sheet, two numbers, or on a solid, three; normal to the surface if
-    /// missing.
+    /// Direction of a strike on a sheet, two numbers, or on a solid, three; normal to the surface
+    /// if missing.
     pub direction: Option<Vec<f64>>,
     /// Peak force of the table's mallet at velocity 1, newtons; 20 if missing.
     pub peak_force_n: Option<f64>,

@@ -93,7 +93,8 @@ fn add(problem: &mut Problem, cell: &CellMatrices, members: &[usize]) {
             let begin = problem.starts[column];
             let rows = &problem.rows[begin..problem.starts[column + 1]];
             for (a, &row_node) in members.iter().enumerate().filter(|(_, node)| **node >= column_node) {
-                // A node's three rows lie side by side; in its own column those from the diagonal on.
+                // A node's three rows lie side by side; in its own column those from the diagonal
+                // on.
                 let first = if row_node == column_node { j } else { 0 };
                 let entry = begin + rows.partition_point(|row| *row < 3 * row_node + first);
                 for i in first..3 {

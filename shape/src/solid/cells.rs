@@ -47,7 +47,8 @@ impl Cells {
         let local = self.grid.local(point);
         let counts = self.grid.counts;
         let home = [0, 1, 2].map(|axis| (local[axis].max(0.0) as usize).min(counts[axis] - 1));
-        // A point on a face may belong to a cell that the body does not reach: one beside it serves.
+        // A point on a face may belong to a cell that the body does not reach: one beside it
+        // serves.
         let near = (0..27).filter_map(|step| {
             let beside = [step % 3, step / 3 % 3, step / 9];
             let cell = [0, 1, 2].map(|axis| (home[axis] + beside[axis]).wrapping_sub(1));

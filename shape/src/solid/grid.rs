@@ -24,9 +24,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Makes the grid over a surface whose cells have edges of at most `size_m`, metres; a single cell
-    /// if that is infinite. Its axes are the principal ones if their box is smaller than the upright
-    /// one.
+    /// Makes the grid over a surface whose cells have edges of at most `size_m`, metres; a single
+    /// cell if that is infinite. Its axes are the principal ones if their box is smaller than the
+    /// upright one.
     pub fn over(surface: &Surface, size_m: f64) -> Self {
         let volume = |grid: &Self| grid.cell_m3() * grid.count() as f64;
         let [upright, turned] = [UPRIGHT, principal(surface)].map(|axes| Self::along(surface, axes, size_m));

@@ -146,8 +146,8 @@ fn add_triangle(
 ) {
     let area = sign * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])).abs();
     let size = (0..3).map(|axis| (b[axis] - a[axis]).abs().max((c[axis] - a[axis]).abs())).fold(0.0, f64::max);
-    // Moments that contradict each other make a stiffness that is not positive: integrals are exact,
-    // on small pieces to rounding.
+    // Moments that contradict each other make a stiffness that is not positive: integrals are
+    // exact, on small pieces to rounding.
     let rule = &rules[usize::from(size >= SMALL)];
     for &[along, first] in rule {
         for &[across, second] in rule {

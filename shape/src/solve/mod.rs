@@ -87,9 +87,9 @@ const HIGHEST_HZ: f64 = 48_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
 const FIRST_SIZE: f64 = 0.5;
 
-/// Finds the modes of a shape. `geometry` is the outline or the surface that the file gives or names;
-/// `measured` are frequency and decay of the modes of the table that the material's `damping` names.
-/// `tell` gets the steps that are done, of 100.
+/// Finds the modes of a shape. `geometry` is the outline or the surface that the file gives or
+/// names; `measured` are frequency and decay of the modes of the table that the material's
+/// `damping` names. `tell` gets the steps that are done, of 100.
 ///
 /// # Errors
 /// A [`SolveError`] that says what to change.

@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::outline::Outline;
 use crate::surface::Surface;
 
-/// Where a body ends: the outline of a flat one or the profile of a round one, or the surface of a
+/// Border of a body: the outline of a flat one, the profile of a round one, or the surface of a
 /// solid.
 #[derive(Clone, Copy, Debug)]
 pub enum Geometry<'a> {

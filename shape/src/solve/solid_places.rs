@@ -6,8 +6,8 @@ use crate::gain::{self, Gain};
 use crate::solid::{Cells, Grid};
 use crate::surface::{Foot, Point, Surface, dot, unit};
 
-/// Distance from the surface up to which a place is on it, as a share of the longest extent: that of
-/// a round body from its triangles.
+/// Distance from the surface up to which a place is on it, as a share of the longest extent: that
+/// of a round body from its triangles.
 const NEAR: f64 = 0.01;
 
 /// Places on a solid.

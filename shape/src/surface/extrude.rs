@@ -20,8 +20,8 @@ pub enum ExtrudeError {
 }
 
 impl Surface {
-    /// Makes the surface of the body over an outline, from z = 0 to z = `thickness_m`; curves become
-    /// chords.
+    /// Makes the surface of the body over an outline, from z = 0 to z = `thickness_m`; curves
+    /// become chords.
     ///
     /// # Errors
     /// Says why the outline has no mesh.

@@ -23,8 +23,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Makes the surface of triangles, metres: vertices within a millionth of the body's size become
-    /// one.
+    /// Makes the surface of triangles, metres: vertices within a millionth of the body's size
+    /// become one.
     ///
     /// # Errors
     /// Says where the surface is open, turned, in two pieces or inside out.
