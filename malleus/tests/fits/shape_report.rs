@@ -181,7 +181,7 @@ fn page_of_a_bar_has_its_charts_sounds_and_figures() {
         "T60, s",
         "Estimated error of each frequency",
         "Change of the frequencies from mesh to mesh",
-        "1032.5 Hz",
+        "1032.6 Hz",
         "200.0 mm",
     ] {
         assert!(html.contains(title), "{title} is missing");
