@@ -147,7 +147,8 @@ fn all_modes_of_a_small_chain_are_found() {
 
 #[test]
 fn body_of_one_unknown_has_one_mode() {
-    let problem = Problem { size: 1, starts: vec![0, 1], rows: vec![0], stiffness: vec![8.0], mass: vec![2.0] };
+    let (stiffness, mass) = (vec![8.0], vec![2.0]);
+    let problem = Problem { size: 1, starts: vec![0, 1], rows: vec![0], is_ordered: false, stiffness, mass };
     let found = find(&problem, Wanted::Lowest(1));
     assert_close(&found.values, &[4.0], 1e-14);
     assert!((found.vectors[0][0].abs() - 0.5_f64.sqrt()).abs() < 1e-14);

@@ -3,6 +3,7 @@
 use super::{EigenError, Problem};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
@@ -50,7 +51,14 @@ impl<'a> Plan<'a> {
     /// Plans the factors of a problem whose pattern is sound.
     pub(super) fn new(problem: &'a Problem) -> Result<Self, EigenError> {
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..Default::default() };
-        let symbolic = factorize_symbolic_cholesky(pattern(problem), Side::Lower, SymmetricOrdering::Amd, params)
+        // `SymmetricOrdering::Identity` of this version takes the lower triangle for the upper one.
+        let kept: Vec<usize> = (0..problem.size).collect();
+        let order = if problem.is_ordered {
+            SymmetricOrdering::Custom(PermRef::new_checked(&kept, &kept, problem.size))
+        } else {
+            SymmetricOrdering::Amd
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern(problem), Side::Lower, order, params)
             .map_err(|_| EigenError::Memory)?;
         if symbolic.len_val() > MOST_ENTRIES {
             return Err(EigenError::TooLarge { unknowns: problem.size, entries: symbolic.len_val() });

@@ -22,6 +22,9 @@ pub struct Problem {
     pub starts: Vec<usize>,
     /// Row of each entry.
     pub rows: Vec<usize>,
+    /// True if factors in the order of the unknowns have little fill; false leaves their order to
+    /// minimum degrees (AMD).
+    pub is_ordered: bool,
     /// Entries of the stiffness K; positive semidefinite.
     pub stiffness: Vec<f64>,
     /// Entries of the mass M; positive semidefinite, and K positive definite where M is zero.

@@ -23,10 +23,13 @@ pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells 
         members.iter().for_each(|node| nodes[*node] = Some(0));
     }
     let mut count = 0;
-    for node in nodes.iter_mut().flatten() {
-        *node = count;
-        count += 1;
-    }
+    let last = grid.counts.map(|count| ORDER * count);
+    dissect([[0; 3], last], &mut |[x, y, z]| {
+        if let Some(node) = &mut nodes[(x * lattice[1] + y) * lattice[2] + z] {
+            *node = count;
+            count += 1;
+        }
+    });
     let members: Vec<Vec<usize>> =
         active.iter().map(|(_, members)| members.iter().filter_map(|node| nodes[*node]).collect()).collect();
     let mut problem = pattern(&members, count);
@@ -43,6 +46,33 @@ pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells 
     }
     let volume_m3 = grid.cell_m3() * moments.iter().map(share).sum::<f64>();
     Cells { problem, grid: grid.clone(), cells, members, mass_kg: solid.density * volume_m3 }
+}
+
+/// Visits the nodes of a box, both corners included, by nested dissection (George 1973): a plane of
+/// nodes between cells comes after both halves that it parts, so that these never meet.
+fn dissect([low, high]: [[usize; 3]; 2], visit: &mut impl FnMut([usize; 3])) {
+    // Planes between cells strictly within the box.
+    let planes = |axis: usize| low[axis] / ORDER + 1..high[axis].div_ceil(ORDER);
+    let longest = (0..3).max_by_key(|&axis| planes(axis).len()).unwrap_or(0);
+    let within = planes(longest);
+    if within.is_empty() {
+        return all([low, high], visit);
+    }
+    let plane = ORDER * (within.start + within.len() / 2);
+    let [mut first, mut second, mut between] = [[low, high]; 3];
+    first[1][longest] = plane - 1;
+    second[0][longest] = plane + 1;
+    between[0][longest] = plane;
+    between[1][longest] = plane;
+    dissect(first, visit);
+    dissect(second, visit);
+    all(between, visit);
+}
+
+/// Visits all nodes of a box, both corners included.
+fn all([low, high]: [[usize; 3]; 2], visit: &mut impl FnMut([usize; 3])) {
+    let line = |axis: usize| low[axis]..=high[axis];
+    line(0).for_each(|x| line(1).for_each(|y| line(2).for_each(|z| visit([x, y, z]))));
 }
 
 fn share(inside: &Inside) -> f64 {
@@ -69,7 +99,7 @@ fn pattern(members: &[Vec<usize>], count: usize) -> Problem {
     for (cell, members) in members.iter().enumerate() {
         members.iter().for_each(|node| cells[*node].push(cell));
     }
-    let mut problem = Problem { size: 3 * count, starts: vec![0], ..Problem::default() };
+    let mut problem = Problem { size: 3 * count, starts: vec![0], is_ordered: true, ..Problem::default() };
     for (node, cells) in cells.iter().enumerate() {
         let mut near: Vec<usize> = cells.iter().flat_map(|cell| &members[*cell]).copied().collect();
         near.retain(|other| *other >= node);

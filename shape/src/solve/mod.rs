@@ -13,6 +13,7 @@ mod solid_places;
 use std::f64::consts::TAU;
 
 use crate::damping::Damping;
+use crate::eigen::EigenError;
 use crate::file::ShapeFile;
 use crate::gain::Gain;
 
@@ -124,7 +125,11 @@ pub fn solve<'a>(
             continue;
         }
         unknowns_before = unknowns as f64;
-        let parts = parts::find(&model, mesh.as_ref(), first, wanted)?;
+        let parts = match parts::find(&model, mesh.as_ref(), first, wanted) {
+            // The error of the mesh before is more use than the size of this one.
+            Err(SolveError::Eigen(EigenError::TooLarge { .. })) if before.is_some() => break,
+            found => found?,
+        };
         let mut places = parts::sorted(&parts);
         if let Wanted::Lowest(count) = wanted {
             places.truncate(count);

@@ -9,8 +9,8 @@ use crate::solve::Solved;
 const PEAK_FORCE_N: f64 = 20.0;
 /// Contact time of the table's striker at velocity 1, s, if the file has none: a hard mallet.
 const CONTACT_TIME_S: f64 = 5e-4;
-/// Decays that the format holds, 1/s.
-const DECAYS_PER_S: [f32; 2] = [0.01, 20_000.0];
+/// Decays that the format holds and the engine plays at 48 kHz, 1/s.
+const DECAYS_PER_S: [f32; 2] = [0.01, 16_000.0];
 
 /// The object and a mallet as a kit without pads. The object has the solved gains, in
 /// output/(N s), and the mallet's peak force as reference force. Decays are cut to 0.01 to 20 000
