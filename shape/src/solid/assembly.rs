@@ -1,5 +1,7 @@
 //! Matrices of the body from those of its cells.
 
+use std::collections::HashMap;
+
 use super::cell::{CellMatrices, Functions, NODES, parts};
 use super::functions::FUNCTIONS;
 use super::moments::Inside;
@@ -8,7 +10,7 @@ use crate::eigen::Problem;
 
 /// Assembles the cells that have a part inside the body.
 pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells {
-    let lattice = grid.counts.map(|count| ORDER * count + 1);
+    let lattice = grid.counts().map(|count| ORDER * count + 1);
     let mut nodes = vec![None; lattice.iter().product()];
     let mut cells = vec![None; moments.len()];
     let mut active = Vec::new();
@@ -17,13 +19,13 @@ pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells 
             continue;
         }
         cells[number] = Some(active.len());
-        active.push((inside, lattice_nodes(grid.place(number), lattice)));
+        active.push((number, lattice_nodes(grid.place(number), lattice)));
     }
     for (_, members) in &active {
         members.iter().for_each(|node| nodes[*node] = Some(0));
     }
     let mut count = 0;
-    let last = grid.counts.map(|count| ORDER * count);
+    let last = grid.counts().map(|count| ORDER * count);
     dissect([[0; 3], last], &mut |[x, y, z]| {
         if let Some(node) = &mut nodes[(x * lattice[1] + y) * lattice[2] + z] {
             *node = count;
@@ -33,18 +35,21 @@ pub(super) fn assemble(solid: &Solid, grid: &Grid, moments: &[Inside]) -> Cells 
     let members: Vec<Vec<usize>> =
         active.iter().map(|(_, members)| members.iter().filter_map(|node| nodes[*node]).collect()).collect();
     let mut problem = pattern(&members, count);
-    let functions = Functions::new(grid.edges_m);
-    let whole = functions.matrices(solid, &Inside::All, grid.cell_m3(), None);
-    for ((inside, _), members) in active.iter().zip(&members) {
+    let functions = Functions::new();
+    // Matrices of whole cells by their edges: few, as planes are even between faces.
+    let mut wholes: HashMap<[u64; 3], CellMatrices> = HashMap::new();
+    let extents = grid.extents_m();
+    let mut volume_m3 = 0.0;
+    for ((number, _), members) in active.iter().zip(&members) {
+        let (inside, edges_m) = (&moments[*number], grid.edges_m(grid.place(*number)));
+        volume_m3 += share(inside) * edges_m.iter().product::<f64>();
+        let key = [0, 1, 2].map(|axis| (edges_m[axis] / extents[axis] * 1e9).round() as u64);
+        let whole = wholes.entry(key).or_insert_with(|| functions.matrices(solid, &Inside::All, edges_m, None));
         match inside {
-            Inside::Part(_) => {
-                let part = functions.matrices(solid, inside, grid.cell_m3(), Some(&whole));
-                add(&mut problem, &part, members);
-            }
-            Inside::None | Inside::All => add(&mut problem, &whole, members),
+            Inside::Part(_) => add(&mut problem, &functions.matrices(solid, inside, edges_m, Some(whole)), members),
+            Inside::None | Inside::All => add(&mut problem, whole, members),
         }
     }
-    let volume_m3 = grid.cell_m3() * moments.iter().map(share).sum::<f64>();
     Cells { problem, grid: grid.clone(), cells, members, mass_kg: solid.density * volume_m3 }
 }
 

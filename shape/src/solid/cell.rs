@@ -34,8 +34,8 @@ pub(super) struct CellMatrices {
 }
 
 impl Functions {
-    /// Tabulates the functions of cells with the edges given, metres.
-    pub(super) fn new(edges_m: [f64; 3]) -> Self {
+    /// Tabulates the functions of a cell whose edges are 1.
+    pub(super) fn new() -> Self {
         let rule = gauss(MOMENTS);
         let along: Vec<_> = rule.iter().map(|[at, _]| lagrange(*at)).collect();
         let value = |kind: usize| {
@@ -44,8 +44,7 @@ impl Functions {
                 let points = parts(point, MOMENTS);
                 let part = |axis: usize| {
                     let is_slope = kind == axis + 1;
-                    let of = along[points[axis]][nodes[axis]][usize::from(is_slope)];
-                    if is_slope { of / edges_m[axis] } else { of }
+                    along[points[axis]][nodes[axis]][usize::from(is_slope)]
                 };
                 part(0) * part(1) * part(2)
             })
@@ -95,18 +94,20 @@ impl Functions {
         &self,
         solid: &Solid,
         inside: &Inside,
-        cell_m3: f64,
+        edges_m: [f64; 3],
         whole: Option<&CellMatrices>,
     ) -> CellMatrices {
         let mut full = [0.0; ALL];
         full[0] = 1.0;
         let moments = if let Inside::Part(moments) = inside { moments } else { &full };
         let products = self.products(&self.weights(moments));
+        let cell_m3: f64 = edges_m.iter().product();
         let lame = solid.young * solid.poisson / ((1.0 + solid.poisson) * (1.0 - 2.0 * solid.poisson)) * cell_m3;
         let shear = solid.young / (2.0 * (1.0 + solid.poisson)) * cell_m3;
         let slope = |i: usize, j: usize, a: usize, b: usize| {
             let found = if i <= j { products.slopes[i][j].as_ref() } else { products.slopes[j][i].as_ref() };
-            found.map_or(0.0, |slopes| if i <= j { slopes[(a, b)] } else { slopes[(b, a)] })
+            let unit = found.map_or(0.0, |slopes| if i <= j { slopes[(a, b)] } else { slopes[(b, a)] });
+            unit / (edges_m[i] * edges_m[j])
         };
         let block = |i: usize, j: usize| {
             Mat::from_fn(NODES, NODES, |a, b| {

@@ -45,8 +45,8 @@ impl Cells {
     /// `None` far from it.
     pub fn value(&self, vector: &[f64], point: Point) -> Option<Point> {
         let local = self.grid.local(point);
-        let counts = self.grid.counts;
-        let home = [0, 1, 2].map(|axis| (local[axis].max(0.0) as usize).min(counts[axis] - 1));
+        let counts = self.grid.counts();
+        let home = [0, 1, 2].map(|axis| self.grid.layer_of(axis, local[axis]));
         // A point on a face may belong to a cell that the body does not reach: one beside it
         // serves.
         let near = (0..27).filter_map(|step| {
@@ -54,7 +54,10 @@ impl Cells {
             let cell = [0, 1, 2].map(|axis| (home[axis] + beside[axis]).wrapping_sub(1));
             let is_there = (0..3).all(|axis| cell[axis] < counts[axis]);
             let number = is_there.then(|| self.cells[self.grid.number(cell)]).flatten()?;
-            let place = [0, 1, 2].map(|axis| local[axis] - cell[axis] as f64);
+            let place = [0, 1, 2].map(|axis| {
+                let [low, high] = self.grid.layer(axis, cell[axis]);
+                (local[axis] - low) / (high - low)
+            });
             let outside = place.iter().map(|part| (-part).max(part - 1.0).max(0.0)).fold(0.0, f64::max);
             Some((outside, number, place))
         });

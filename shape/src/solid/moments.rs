@@ -33,21 +33,22 @@ pub(super) enum Inside {
 /// Computes the moments of all cells.
 pub(super) fn of(surface: &Surface, grid: &Grid) -> Result<Vec<Inside>, SurfaceError> {
     let mut sums = Sums {
-        counts: grid.counts,
+        grid,
         moments: vec![None; grid.count()],
         below: vec![None; grid.count()],
         rules: [gauss(FEW_POINTS), gauss(EXACT_POINTS)],
     };
+    let extents = grid.extents_m();
     for corners in surface.corners() {
         // The grid ends where the body ends: rounding must not leave a face outside of it.
-        let within = |point: Point| [0, 1, 2].map(|axis| point[axis].clamp(0.0, grid.counts[axis] as f64));
+        let within = |point: Point| [0, 1, 2].map(|axis| point[axis].clamp(0.0, extents[axis]));
         sums.add(&corners.map(|corner| within(grid.local(corner))));
     }
-    sums.finish(grid)
+    sums.finish()
 }
 
-struct Sums {
-    counts: [usize; 3],
+struct Sums<'a> {
+    grid: &'a Grid,
     /// Sums of pieces in each cell.
     moments: Vec<Option<Box<[f64; ALL]>>>,
     /// Sums, of pieces in each cell, for whole cells below it along the first axis.
@@ -56,8 +57,8 @@ struct Sums {
     rules: [Vec<[f64; 2]>; 2],
 }
 
-impl Sums {
-    /// Adds a triangle, in units of cells.
+impl Sums<'_> {
+    /// Adds a triangle, placed along the axes of the grid.
     fn add(&mut self, corners: &[Point; 3]) {
         let [a, b, c] = corners;
         let shadow = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
@@ -65,11 +66,11 @@ impl Sums {
             return;
         }
         for y in self.layers(corners, 1) {
-            let strip = cut(corners, 1, y);
+            let strip = cut(corners, 1, self.grid.layer(1, y));
             for z in self.layers(&strip, 2) {
-                let pillar = cut(&strip, 2, z);
+                let pillar = cut(&strip, 2, self.grid.layer(2, z));
                 for x in self.layers(&pillar, 0) {
-                    let piece = cut(&pillar, 0, x);
+                    let piece = cut(&pillar, 0, self.grid.layer(0, x));
                     self.add_piece(&piece, [x, y, z], shadow.signum());
                 }
             }
@@ -78,19 +79,20 @@ impl Sums {
 
     /// Layers of cells that points span along an axis.
     fn layers(&self, points: &[Point], axis: usize) -> std::ops::Range<usize> {
-        let low = points.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
-        let high = points.iter().map(|point| point[axis]).fold(f64::NEG_INFINITY, f64::max);
-        let last = self.counts[axis] - 1;
         if points.is_empty() {
             return 0..0;
         }
-        (low as usize).min(last)..(high as usize).min(last) + 1
+        let low = points.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(|point| point[axis]).fold(f64::NEG_INFINITY, f64::max);
+        self.grid.layer_of(axis, low)..self.grid.layer_of(axis, high) + 1
     }
 
     fn add_piece(&mut self, piece: &[Point], cell: [usize; 3], sign: f64) {
         let Some((first, rest)) = piece.split_first() else { return };
-        let number = (cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0];
-        let place = |point: Point| [0, 1, 2].map(|axis| point[axis] - cell[axis] as f64);
+        let number = self.grid.number(cell);
+        let layers = [0, 1, 2].map(|axis| self.grid.layer(axis, cell[axis]));
+        let share = |at: f64, [low, high]: [f64; 2]| (at - low) / (high - low);
+        let place = |point: Point| [0, 1, 2].map(|axis| share(point[axis], layers[axis]));
         let mut moments = self.moments[number].take().unwrap_or_else(|| Box::new([0.0; ALL]));
         let mut below = self.below[number].take().unwrap_or_else(|| Box::new([0.0; MOMENTS * MOMENTS]));
         for pair in rest.windows(2) {
@@ -101,20 +103,18 @@ impl Sums {
         self.below[number] = Some(below);
     }
 
-    fn finish(mut self, grid: &Grid) -> Result<Vec<Inside>, SurfaceError> {
-        let mut result = vec![Inside::None; grid.count()];
-        let columns = self.counts[1] * self.counts[2];
-        for column in 0..columns {
+    fn finish(mut self) -> Result<Vec<Inside>, SurfaceError> {
+        let mut result = vec![Inside::None; self.grid.count()];
+        let [length, width, height] = self.grid.counts();
+        for column in 0..width * height {
             // Cells below a piece are whole under its shadow.
             let mut above = [0.0; MOMENTS * MOMENTS];
-            for x in (0..self.counts[0]).rev() {
-                let number = column * self.counts[0] + x;
+            for x in (0..length).rev() {
+                let number = column * length + x;
                 let mut moments = self.moments[number].take().unwrap_or_else(|| Box::new([0.0; ALL]));
                 moments.iter_mut().zip(&above).for_each(|(moment, whole)| *moment += whole);
-                result[number] = judge(moments).ok_or_else(|| {
-                    let at = grid.place(number).map(|place| place as f64 + 0.5);
-                    SurfaceError::Crossing(grid.point(at))
-                })?;
+                let crossing = || SurfaceError::Crossing(self.grid.corner(self.grid.place(number)));
+                result[number] = judge(moments).ok_or_else(crossing)?;
                 if let Some(below) = &self.below[number] {
                     above.iter_mut().zip(below.iter()).for_each(|(whole, part)| *whole += part);
                 }
@@ -171,10 +171,10 @@ fn add_triangle(
     }
 }
 
-/// Cuts a convex polygon to a layer of cells: what lies from `layer` to `layer` + 1 along an axis.
-fn cut(polygon: &[Point], axis: usize, layer: usize) -> Vec<Point> {
-    let low = half(polygon, |point| point[axis] - layer as f64);
-    half(&low, |point| (layer + 1) as f64 - point[axis])
+/// Cuts a convex polygon to a layer of cells: what lies between two places along an axis.
+fn cut(polygon: &[Point], axis: usize, [low, high]: [f64; 2]) -> Vec<Point> {
+    let upper = half(polygon, |point| point[axis] - low);
+    half(&upper, |point| high - point[axis])
 }
 
 /// Cuts a convex polygon to the points at which a linear function is not negative.

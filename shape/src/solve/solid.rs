@@ -72,7 +72,6 @@ impl SolidBody {
 
     /// Extents along the principal axes or the axes of the file, metres.
     fn extents(&self) -> [f64; 3] {
-        let grid = Grid::over(&self.surface, f64::INFINITY);
-        grid.edges_m
+        Grid::over(&self.surface, f64::INFINITY).extents_m()
     }
 }

@@ -25,7 +25,7 @@ struct View {
 impl View {
     /// View along the axis of the smallest extent.
     fn of(grid: &Grid) -> Self {
-        let extent = |axis: usize| grid.edges_m[axis] * grid.counts[axis] as f64;
+        let extent = |axis: usize| grid.extents_m()[axis];
         let thin = (0..3).min_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(2);
         let [across, up] = [grid.axes[(thin + 1) % 3], grid.axes[(thin + 2) % 3]];
         // The longer extent lies across.
@@ -122,6 +122,7 @@ fn cell_edges(cells: &Cells, view: &View) -> Vec<[outline::Point; 2]> {
     let grid = &cells.grid;
     let mut seen = HashSet::new();
     let mut edges = Vec::new();
+    let longest_m = grid.extents_m().into_iter().fold(0.0, f64::max);
     for cell in cells.places() {
         for axis in 0..3 {
             for corner in 0..4 {
@@ -130,9 +131,9 @@ fn cell_edges(cells: &Cells, view: &View) -> Vec<[outline::Point; 2]> {
                 from[(axis + 2) % 3] += corner / 2;
                 let mut to = from;
                 to[axis] += 1;
-                let ends = [from, to].map(|place| view.flat(grid.point(place.map(|part| part as f64))));
+                let ends = [from, to].map(|place| view.flat(grid.corner(place)));
                 // Edges behind each other are one in the picture.
-                let key = ends.map(|end| end.map(|part| (part / (1e-6 * grid.edges_m[axis])).round() as i64));
+                let key = ends.map(|end| end.map(|part| (part / (1e-6 * longest_m)).round() as i64));
                 if key[0] != key[1] && seen.insert(key) {
                     edges.push(ends);
                 }

@@ -110,16 +110,17 @@ fn place(
 /// Strikes on the broadest side, from above the middle along the longest axis to the rim.
 fn default_strikes(surface: &Surface, count: usize, direction: Option<Point>) -> Vec<(Point, Point)> {
     let grid = Grid::over(surface, f64::INFINITY);
+    let extents = grid.extents_m();
     let order = |ascending: bool| {
         let mut axes = [0, 1, 2];
-        axes.sort_by(|&a: &usize, &b: &usize| grid.edges_m[a].total_cmp(&grid.edges_m[b]));
+        axes.sort_by(|&a: &usize, &b: &usize| extents[a].total_cmp(&extents[b]));
         if ascending { axes[0] } else { axes[2] }
     };
     let (up, along) = (grid.axes[order(true)], grid.axes[order(false)]);
     let (middle, _) = surface.second_moments();
     let point = |far: f64| [0, 1, 2].map(|axis| middle[axis] + far * along[axis]);
     // The rim is where the line through the middle leaves the body, or the end of what lies below.
-    let reach = grid.edges_m[order(false)] / 2.0;
+    let reach = extents[order(false)] / 2.0;
     let foot = |far: f64| surface.last_exit(point(far), up).or_else(|| surface.nearest(point(far)));
     let places = (0..count).filter_map(|index| {
         let share = if count > 1 { index as f64 / (count - 1) as f64 } else { 0.0 };
