@@ -135,12 +135,21 @@ impl ShapeFile {
             return Err(missing("strike.path_m", "the path has no point"));
         }
         let is_solid = self.shape.kind == Kind::Solid;
-        let fits = |numbers: &Vec<f64>| {
-            numbers.iter().all(|number| number.is_finite()) && (numbers.len() == 2 || numbers.len() == 3 && is_solid)
+        let is_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        let is_place =
+            |numbers: &Vec<f64>| is_finite(numbers) && (numbers.len() == 2 || numbers.len() == 3 && is_solid);
+        if !self.strike.path_m.iter().flatten().all(is_place) {
+            return Err(FileError::Keys("strike.path_m has points of two numbers, on a solid of two or three"));
+        }
+        let is_in_plane = matches!(self.shape.kind, Kind::Sheet | Kind::Revolve);
+        let length = if is_in_plane { 2 } else { 3 };
+        let is_direction = |numbers: &&Vec<f64>| {
+            is_finite(numbers) && numbers.len() == length && numbers.iter().any(|number| *number != 0.0)
         };
-        let points = self.strike.path_m.iter().flatten();
-        if !points.chain(&self.strike.direction).chain(&self.sound.direction).all(fits) {
-            let text = "strike.path_m and direction have points of two numbers, on a solid of two or three";
+        let mut directions = self.strike.direction.iter().chain(&self.sound.direction);
+        if !directions.all(|numbers| is_direction(&numbers)) {
+            let text =
+                "a direction has two numbers on a sheet and on a body of revolution, three on others, and one is not 0";
             return Err(FileError::Keys(text));
         }
         let places = self.sound.at_m.as_ref().map(Vec::len);

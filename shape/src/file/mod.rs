@@ -124,8 +124,8 @@ pub struct Strike {
     pub path_m: Option<Vec<Vec<f64>>>,
     /// Number of positions evenly along the path, 1 to 64.
     pub positions: Option<usize>,
-    /// Direction of a strike on a sheet, two numbers, or on a solid, three; normal to the surface
-    /// if missing.
+    /// Direction of a strike: two numbers on a sheet and on a body of revolution (radius, height),
+    /// three on other bodies; normal to the surface if missing.
     pub direction: Option<Vec<f64>>,
     /// Peak force of the table's mallet at velocity 1, newtons; 20 if missing.
     pub peak_force_n: Option<f64>,

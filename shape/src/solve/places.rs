@@ -59,8 +59,13 @@ impl Places {
             Some(path) => path.iter().map(|point| flat(point)).collect(),
             None => default_path(kind, outline),
         };
-        let direction = |given: &Option<Vec<f64>>, at: Point| match given.as_deref().map(flat) {
-            Some([x, y]) => {
+        let is_flat = matches!(kind, Kind::Plate | Kind::Membrane);
+        let direction = |given: &Option<Vec<f64>>, at: Point| match given.as_deref() {
+            // Of a slanted strike a plate takes the part across it.
+            Some(&[x, y, z]) if is_flat => [z / x.hypot(y).hypot(z).max(f64::MIN_POSITIVE), 0.0],
+            None if is_flat => [1.0, 0.0],
+            Some(given) => {
+                let [x, y] = flat(given);
                 let length = x.hypot(y).max(f64::MIN_POSITIVE);
                 [x / length, y / length]
             }
@@ -111,7 +116,7 @@ impl Places {
             Ok::<f64, SolveError>(match self.kind {
                 Kind::Sheet => value[0] * direction[0] + value[1] * direction[1],
                 Kind::Revolve => value[0] * direction[0] + value[2] * direction[1],
-                Kind::Plate | Kind::Membrane | Kind::Solid => value[0],
+                Kind::Plate | Kind::Membrane | Kind::Solid => value[0] * direction[0],
             })
         };
         let [struck, heard_round] = [0.0, self.heard_rad].map(|angle| round.share(angle));

@@ -199,3 +199,21 @@ fn gains_of_a_hinged_rectangle_are_those_of_its_sines() {
     println!("worst {:.4} %", 100.0 * worst);
     assert!(worst < 3e-3, "{worst}");
 }
+
+#[test]
+fn a_slanted_strike_gives_a_plate_the_part_across_it() {
+    let outline = "polygon_m = [[0, 0], [1.3, 0], [1.3, 1], [0, 1]]";
+    let sound = "readout = \"velocity\", at_m = [0.31, 0.27]";
+    let straight = struck(outline, "hinged", [0.4, 0.6], 0.01, sound);
+    // The third of 2, 1 and 2 is two thirds of their length.
+    let slanted = straight.replace("positions = 1", "positions = 1, direction = [2, 1, 2]");
+    let [straight, slanted] =
+        [straight, slanted].map(|text| solve_text(&text, None, Wanted::Lowest(4), 0.01).unwrap().modes);
+    for (straight, slanted) in straight.iter().zip(&slanted) {
+        let [straight, slanted] = [straight, slanted].map(|mode| mode.gains[0].cosine);
+        assert!((slanted - straight * 2.0 / 3.0).abs() <= 1e-12 * straight.abs(), "{straight} {slanted}");
+    }
+    let flat = struck(outline, "hinged", [0.4, 0.6], 0.01, sound).replace("positions = 1", "direction = [1, 0]");
+    let fault = solve_text(&flat, None, Wanted::Lowest(4), 0.01).unwrap_err().to_string();
+    assert!(fault.contains("a direction has two numbers"), "{fault}");
+}
