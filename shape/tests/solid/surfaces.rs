@@ -65,6 +65,23 @@ pub(crate) fn cylinder(radius: f64, length: f64, sides: usize) -> Mesh {
     (points, triangles)
 }
 
+/// Tube along the third axis, open at both ends, of flat sides.
+pub(crate) fn tube(radii: [f64; 2], length: f64, sides: usize) -> Mesh {
+    let (mut points, mut triangles) = (vec![], vec![]);
+    for side in 0..sides {
+        let (sine, cosine) = (TAU * side as f64 / sides as f64).sin_cos();
+        // Inner and outer circle below, then above.
+        for (radius, z) in [(radii[0], 0.0), (radii[1], 0.0), (radii[0], length), (radii[1], length)] {
+            points.push([radius * cosine, radius * sine, z]);
+        }
+        let [here, next] = [side, (side + 1) % sides].map(|side| 4 * side);
+        for [a, b] in [[1, 3], [3, 2], [2, 0], [0, 1]] {
+            triangles.extend([[here + a, next + a, next + b], [here + a, next + b, here + b]]);
+        }
+    }
+    (points, triangles)
+}
+
 /// Puts two surfaces together, the second turned inside out: a cavity.
 pub(crate) fn with_cavity((mut points, mut triangles): Mesh, (others, inner): Mesh) -> Mesh {
     let first = points.len();
