@@ -14,8 +14,10 @@ const CANCELLED: f64 = 0.1;
 /// M-orthonormal vectors, and the operator (K − σ M)⁻¹ M between them.
 pub(super) struct Basis<'a> {
     problem: &'a Problem,
-    /// All vectors but those of the next block, by columns.
+    /// All vectors but those of the next block, by columns, and their products with the mass: each
+    /// product is made once, as it costs as much as the parts along dozens of vectors.
     vectors: Vec<f64>,
+    vectors_mass: Vec<f64>,
     /// Products of the vectors with the images of each, a list for each image.
     projected: Vec<Vec<f64>>,
     /// Vectors of the next block, and their products with the mass.
@@ -42,6 +44,7 @@ impl<'a> Basis<'a> {
         let mut basis = Self {
             problem,
             vectors: Vec::new(),
+            vectors_mass: Vec::new(),
             projected: Vec::new(),
             next: Vec::new(),
             next_mass: Vec::new(),
@@ -66,14 +69,15 @@ impl<'a> Basis<'a> {
     pub(super) fn expand(&mut self, factor: &mut Cholesky<'_>) -> Result<(), EigenError> {
         let size = self.problem.size;
         let (block, blocks_mass) = (std::mem::take(&mut self.next), std::mem::take(&mut self.next_mass));
-        self.vectors.try_reserve(size * block.len()).map_err(|_| EigenError::Memory)?;
-        block.iter().for_each(|vector| self.vectors.extend_from_slice(vector));
         let width = block.len();
         let mut images = blocks_mass.concat();
+        for (all, block) in [(&mut self.vectors, block), (&mut self.vectors_mass, blocks_mass)] {
+            all.try_reserve(size * width).map_err(|_| EigenError::Memory)?;
+            block.iter().for_each(|vector| all.extend_from_slice(vector));
+        }
         factor.solve(MatMut::from_column_major_slice_mut(&mut images, size, width));
-        let norms = self.norms(&images)?;
-        let mut parts = self.take_away(&mut images, width)?;
-        parts += self.take_away(&mut images, width)?;
+        let mut parts = self.take_away(&mut images, width);
+        parts += self.take_away(&mut images, width);
         for column in 0..width {
             self.projected.push(parts.col(column).iter().copied().collect());
         }
@@ -82,7 +86,8 @@ impl<'a> Basis<'a> {
         let products = self.products(&images)?;
         let each = images.chunks_exact_mut(size).zip(products.chunks_exact(size));
         for (column, (image, product)) in each.enumerate() {
-            let along = self.settle(image, product.to_vec(), norms[column], Some(first + column))?;
+            let norm = parts.col(column).norm_l2().hypot(length(image, product)?);
+            let along = self.settle(image, product.to_vec(), norm, Some(first + column))?;
             for (row, part) in self.coupling.iter_mut().zip(&along.parts) {
                 row[column] = *part;
             }
@@ -119,10 +124,10 @@ impl<'a> Basis<'a> {
         for _ in 0..8 {
             let mut vector = zeros(self.problem.size)?;
             vector.fill_with(|| self.draw());
-            let norm = self.norms(&vector)?[0];
-            self.take_away(&mut vector, 1)?;
-            self.take_away(&mut vector, 1)?;
+            let mut parts = self.take_away(&mut vector, 1);
+            parts += self.take_away(&mut vector, 1);
             let product = self.products(&vector)?;
+            let norm = parts.norm_l2().hypot(length(&vector, &product)?);
             if self.settle(&mut vector, product, norm, None)?.length.is_some() {
                 return Ok(true);
             }
@@ -144,24 +149,17 @@ impl<'a> Basis<'a> {
         Ok(products)
     }
 
-    fn norms(&self, columns: &[f64]) -> Result<Vec<f64>, EigenError> {
-        let (products, size) = (self.products(columns)?, self.problem.size);
-        let pairs = columns.chunks_exact(size).zip(products.chunks_exact(size));
-        pairs.map(|(column, product)| length(column, product)).collect()
-    }
-
     /// Takes the parts along all vectors of the basis away from some columns, and returns them.
-    fn take_away(&self, columns: &mut [f64], width: usize) -> Result<Mat<f64>, EigenError> {
+    fn take_away(&self, columns: &mut [f64], width: usize) -> Mat<f64> {
         let size = self.problem.size;
         let count = self.vectors.len() / size;
-        let products = self.products(columns)?;
         let basis = MatRef::from_column_major_slice(&self.vectors, size, count);
-        let products = MatRef::from_column_major_slice(&products, size, width);
+        let masses = MatRef::from_column_major_slice(&self.vectors_mass, size, count);
+        let mut columns = MatMut::from_column_major_slice_mut(columns, size, width);
         let mut parts = Mat::zeros(count, width);
-        matmul(parts.as_mut(), Accum::Replace, basis.transpose(), products, 1.0, Par::Seq);
-        let columns = MatMut::from_column_major_slice_mut(columns, size, width);
-        matmul(columns, Accum::Add, basis, parts.as_ref(), -1.0, Par::Seq);
-        Ok(parts)
+        matmul(parts.as_mut(), Accum::Replace, masses.transpose(), columns.as_ref(), 1.0, Par::Seq);
+        matmul(columns.as_mut(), Accum::Add, basis, parts.as_ref(), -1.0, Par::Seq);
+        parts
     }
 
     /// Makes a vector orthogonal to the next block and adds it to that, if something is left of it.
@@ -197,7 +195,7 @@ impl<'a> Basis<'a> {
                 self.next_mass.push(product);
                 return Ok(Along { parts, length: Some(left) });
             }
-            let taken = self.take_away(vector, 1)?;
+            let taken = self.take_away(vector, 1);
             if let Some(image) = image {
                 self.projected[image].iter_mut().zip(taken.col(0).iter()).for_each(|(part, more)| *part += more);
             }
