@@ -11,7 +11,7 @@ pub(super) const GAP: f64 = 1e-6;
 pub(super) const WIDEST: usize = 24;
 
 /// Width of the first block.
-const BLOCK: usize = 6;
+pub(super) const BLOCK: usize = 6;
 
 /// Residual that a found eigenpair may leave, relative to its θ; the error of θ is its square.
 const LEFT: f64 = 1e-9;
