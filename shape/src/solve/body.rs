@@ -24,6 +24,11 @@ const WAVE_ERROR: f64 = 0.0022;
 const GRAIN_ERROR: f64 = 0.004;
 /// Twist at free edges: up to 0.0009 of a square, 0.001 of a bar.
 const FREE_ERROR: f64 = 0.0011;
+/// Lowest modes without a row of elements one thickness wide along free edges: thin-plate theory
+/// is 0.3 thicknesses a side of a square above elasticity, and finite elements lie between.
+const ROW_ERROR: f64 = 0.08;
+/// Share of the error that is asked for below which rows along free edges are left out.
+const ROW_SHARE: f64 = 0.2;
 /// Clamped edges hold the surfaces, too, as if they lay 0.013 thicknesses further inside.
 const CLAMPED_ERROR: f64 = 0.02;
 
@@ -41,14 +46,16 @@ pub struct Body {
     pub(super) skin: [f64; 2],
     /// Distance of the frequencies of a pair, as a share of them.
     pub(super) split: f64,
+    /// True if a row of elements lies along free edges of a plate.
+    has_rows: bool,
 }
 
 impl Body {
-    /// Body of a file and its outline.
+    /// Body of a file and its outline, for frequencies with a relative error.
     ///
     /// # Errors
     /// A [`SolveError`] for numbers that fit no body.
-    pub fn of(file: &ShapeFile, outline: &Outline) -> Result<Self, SolveError> {
+    pub fn of(file: &ShapeFile, outline: &Outline, error: f64) -> Result<Self, SolveError> {
         outline.check()?;
         let [low, high] = outline.bounds().unwrap_or_default();
         let extents = [0, 1].map(|axis| high[axis] - low[axis]);
@@ -83,7 +90,7 @@ impl Body {
                 .filter(|(_, side)| on_axis(side))
                 .for_each(|(held, _)| *held = Support::Free);
         }
-        Ok(Self {
+        let mut body = Self {
             kind,
             outline: outline.clone(),
             supports,
@@ -95,7 +102,24 @@ impl Body {
             thickness_m,
             split: file.shape.split.unwrap_or(0.0),
             skin: [file.shape.tension_n_per_m.unwrap_or(0.0), file.shape.density_kg_per_m2.unwrap_or(0.0)],
-        })
+            has_rows: false,
+        };
+        body.has_rows = body.row_error() > ROW_SHARE * error;
+        Ok(body)
+    }
+
+    /// Share by which frequencies err without rows along free edges.
+    fn row_error(&self) -> f64 {
+        let is_free = |support: &Support| if *support == Support::Free { ROW_ERROR } else { 0.0 };
+        self.edge_error(is_free)
+    }
+
+    /// Error of a plate from its edges: a share of thickness times length by area.
+    fn edge_error(&self, of_edge: impl Fn(&Support) -> f64) -> f64 {
+        let sides = self.outline.sides();
+        let length = |side: &FlatSide| (side.to[0] - side.from[0]).hypot(side.to[1] - side.from[1]);
+        let edges: f64 = sides.iter().zip(&self.supports).map(|(side, edge)| length(side) * of_edge(edge)).sum();
+        edges * self.thickness_m / self.outline.area()
     }
 
     /// Mass, kg.
@@ -152,15 +176,13 @@ impl Body {
             Support::Hinged => 0.0,
             Support::Clamped => CLAMPED_ERROR,
         };
-        let sides = self.outline.sides();
-        let length = |side: &FlatSide| (side.to[0] - side.from[0]).hypot(side.to[1] - side.from[1]);
-        let edges: f64 = sides.iter().zip(&self.supports).map(|(side, edge)| length(side) * of_edge(edge)).sum();
         let waves = match self.material.elasticity {
             Elasticity::Isotropic { .. } => WAVE_ERROR,
             Elasticity::Orthotropic { .. } => GRAIN_ERROR,
         };
         let turn = self.wave_number(TAU * frequency_hz) * self.thickness_m;
-        edges * self.thickness_m / self.outline.area() + waves * turn * turn
+        let rows = if self.has_rows { 0.0 } else { self.row_error() };
+        self.edge_error(of_edge) + rows + waves * turn * turn
     }
 
     /// True for a body of revolution.
@@ -171,7 +193,7 @@ impl Body {
     /// Mesh with edges of at most a length.
     pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
-        let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
+        let layered = self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
         let sizing = Sizing { size_m, layer_m, layered: layered.collect() };
         Ok(Mesh::over(&self.outline, &sizing)?)

@@ -81,12 +81,14 @@ const LEAST_GROWTH: f64 = 1.3;
 const LEAST_UNKNOWNS: usize = 6;
 /// Largest number of unknowns, before the size of their factors is known.
 pub const MOST_UNKNOWNS: usize = 400_000;
+/// Least share of the error that is asked for that the mesh may have.
+const MESH_SHARE: f64 = 0.25;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
 /// Half the sample rate of boards: modes above it are not heard.
 const HIGHEST_HZ: f64 = 24_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
-const FIRST_SIZE: f64 = 0.5;
+const FIRST_SIZE: f64 = 0.7;
 
 /// Finds the modes of a shape. `geometry` is the outline or the surface that the file gives or
 /// names; `measured` are frequency and decay of the modes of the table that the material's
@@ -105,7 +107,7 @@ pub fn solve<'a>(
     if !(error > 0.0 && error < 0.5) {
         return Err(SolveError::Error(error));
     }
-    let model = Model::of(file, geometry.into())?;
+    let model = Model::of(file, geometry.into(), error)?;
     let damping = Damping::of(&file.material, measured);
     let mut size_m = model.first_size_m(wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
@@ -141,9 +143,12 @@ pub fn solve<'a>(
         }
         meshes.push(Tried { unknowns, elements, frequencies_hz: elastic.clone() });
         let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()));
-        let worst = estimates.iter().copied().fold(0.0, f64::max);
-        let theory = elastic.iter().map(|&frequency| model.model_error(frequency)).fold(0.0, f64::max);
-        if worst <= error.max(1.05 * theory) {
+        // The theory's own error cannot be mended by a finer mesh: that has the rest, or a quarter.
+        let is_near = |(estimate, &frequency): (&f64, &f64)| {
+            let theory = model.model_error(frequency);
+            estimate - theory <= (error - theory).max(MESH_SHARE * error)
+        };
+        if estimates.iter().zip(&elastic).all(is_near) {
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));

@@ -19,7 +19,7 @@ pub(super) fn frequencies_hz(file: &ShapeFile, count: usize) -> Result<Vec<f64>,
     let polygon = file.shape.polygon_m.as_deref().unwrap_or(&[]);
     let outline = Outline::polygon(polygon, &[]).map_err(crate::solve::SolveError::Outline)?;
     let [low, high] = outline.bounds().unwrap_or_default();
-    let body = Body::of(file, &outline)?;
+    let body = Body::of(file, &outline, 0.0)?;
     let mesh = body.mesh(EDGE * (high[1] - low[1]))?;
     let discrete = body.elements(&mesh, 0)?;
     let wanted = eigen::Wanted::Lowest(discrete.rigid + count + BESIDE);
