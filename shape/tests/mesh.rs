@@ -19,7 +19,7 @@ fn drawn(inner: &str) -> Outline {
 }
 
 fn layered(size_m: f64, layer_m: f64, sides: usize) -> Sizing {
-    Sizing { size_m, layer_m: Some(layer_m), layered: vec![true; sides] }
+    Sizing { size_m, layer_m: Some(layer_m), layered: vec![true; sides], corners_m: vec![] }
 }
 
 fn far(a: Point, b: Point) -> f64 {
@@ -196,7 +196,8 @@ fn a_rectangle_has_a_symmetric_mesh() {
 #[test]
 fn a_rectangle_has_rows_of_the_layers_width_along_its_layered_sides() {
     let outline = Outline::polygon(&[[0.0, 0.0], [0.2, 0.0], [0.2, 0.1], [0.0, 0.1]], &[]).unwrap();
-    let sizing = Sizing { size_m: 0.02, layer_m: Some(0.002), layered: vec![true, false, false, true] };
+    let sizing =
+        Sizing { size_m: 0.02, layer_m: Some(0.002), layered: vec![true, false, false, true], corners_m: vec![] };
     let mesh = checked(&outline, &sizing);
     let rows = |axis: usize, at: f64| mesh.points.iter().filter(|p| (p[axis] - at).abs() < 1e-12).count();
     assert!(rows(1, 0.002) > 5 && rows(0, 0.002) > 5);
@@ -304,7 +305,7 @@ proptest! {
 
     #[test]
     fn any_star_with_a_layer_is_covered(points in star(), layer in 0.0005f64..0.02, sides in any::<[bool; 14]>()) {
-        let sizing = Sizing { size_m: 0.02, layer_m: Some(layer), layered: sides.to_vec() };
+        let sizing = Sizing { size_m: 0.02, layer_m: Some(layer), layered: sides.to_vec(), corners_m: vec![] };
         checked(&Outline::polygon(&points, &[]).unwrap(), &sizing);
     }
 }

@@ -10,6 +10,9 @@ pub(super) const TURN: f64 = 22.0 / 180.0 * std::f64::consts::PI;
 /// Samples of a curved side's length and turn.
 const SAMPLES: usize = 512;
 
+/// Ratio of edges to those next to them on the way to a corner at which stresses have no bound.
+const GRADE: f64 = 0.4;
+
 /// Largest count of edges along one side.
 const MOST: f64 = 1e6;
 
@@ -39,7 +42,8 @@ pub(super) fn place_nodes(sides: &[FlatSide], outline: &Outline, sizing: &Sizing
             let side = first + k;
             let near = [first + (k + count - 1) % count, first + (k + 1) % count];
             let cuts = sizing.layer_m.map_or([0.0; 2], |layer| slides(sides, near, side, sizing, layer));
-            chords.extend(side_chords(sides, side, cuts, sizing));
+            let corners = [side, near[1]].map(|begin| sizing.corner_m(begin));
+            chords.extend(side_chords(sides, side, cuts, corners, sizing));
         }
         first += count;
         rings.push(chords);
@@ -69,7 +73,13 @@ fn slides(sides: &[FlatSide], near: [usize; 2], side: usize, sizing: &Sizing, la
 }
 
 /// Parts one side into chords.
-fn side_chords(sides: &[FlatSide], side: usize, cuts: [f64; 2], sizing: &Sizing) -> Vec<Chord> {
+fn side_chords(
+    sides: &[FlatSide],
+    side: usize,
+    cuts: [f64; 2],
+    corners: [Option<f64>; 2],
+    sizing: &Sizing,
+) -> Vec<Chord> {
     let flat = sides[side];
     let layered = sizing.is_layered(side);
     let mut parameters = if flat.curve.is_some() {
@@ -80,6 +90,9 @@ fn side_chords(sides: &[FlatSide], side: usize, cuts: [f64; 2], sizing: &Sizing)
         let count = (length / sizing.size_m - 1e-9).ceil().clamp(1.0, MOST);
         (0..=count as usize).map(|k| begin + (end - begin) * (k as f64 / count)).collect()
     };
+    if !layered {
+        grade(&mut parameters, &flat, corners);
+    }
     if cuts[0] > 0.0 {
         parameters.insert(0, 0.0);
     }
@@ -96,6 +109,24 @@ fn side_chords(sides: &[FlatSide], side: usize, cuts: [f64; 2], sizing: &Sizing)
         slide: slide(k),
     };
     parameters.windows(2).enumerate().map(chord).collect()
+}
+
+/// Parts the edges at both ends of a side until those at a corner have the length that it asks for.
+fn grade(parameters: &mut Vec<f64>, flat: &FlatSide, corners: [Option<f64>; 2]) {
+    if let ([from, to], [Some(_), Some(_)]) = (parameters.as_slice(), corners) {
+        let middle = 0.5 * (from + to);
+        parameters.insert(1, middle);
+    }
+    for corner_m in corners {
+        if let (Some(length_m), [from, to, ..]) = (corner_m, parameters.as_slice()) {
+            let (from, to) = (*from, *to);
+            let steps = (distance(flat.point(from), flat.point(to)) / length_m).ln() / -GRADE.ln();
+            let part = |step: i32| from + (to - from) * GRADE.powi(step);
+            let inner: Vec<f64> = (1..=steps.max(0.0) as i32).rev().map(part).collect();
+            parameters.splice(1..1, inner);
+        }
+        parameters.reverse();
+    }
 }
 
 /// Gives the parameters of nodes along a curve: as many as length and turn need, or a given count

@@ -43,12 +43,20 @@ pub struct Sizing {
     /// True for each side, counted through all rings, with such a row; sides beyond the list's end
     /// have none.
     pub layered: Vec<bool>,
+    /// Length of the edges at the corner where each side begins, metres; others follow by a ratio.
+    /// `None`, and corners beyond the list's end, have edges of any length.
+    pub corners_m: Vec<Option<f64>>,
 }
 
 impl Sizing {
     /// Makes a sizing without rows along the sides.
     pub fn even(size_m: f64) -> Sizing {
-        Sizing { size_m, layer_m: None, layered: Vec::new() }
+        Sizing { size_m, layer_m: None, layered: Vec::new(), corners_m: Vec::new() }
+    }
+
+    /// Gives the length of the edges at the corner where a side begins, metres.
+    pub(super) fn corner_m(&self, side: usize) -> Option<f64> {
+        self.corners_m.get(side).copied().flatten()
     }
 
     /// Tells whether a side has a row of elements along it.

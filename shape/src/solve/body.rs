@@ -29,6 +29,15 @@ const FREE_ERROR: f64 = 0.0011;
 const ROW_ERROR: f64 = 0.08;
 /// Share of the error that is asked for below which rows along free edges are left out.
 const ROW_SHARE: f64 = 0.2;
+/// Angle in the body from which on elements become smaller towards a corner; stresses at it have no
+/// bound. Corners of curves that are drawn as polygons are below it.
+const FREE_CORNER: f64 = 195.0 / 180.0 * PI;
+/// Angle of a corner of two hinged edges from which on elements become smaller.
+const HINGED_CORNER: f64 = 95.0 / 180.0 * PI;
+/// Elements at corners, as a share of the largest ones.
+const CORNER_SHARE: f64 = 0.02;
+/// Elements at corners of thin plates, as a share of the largest ones.
+const HINGED_SHARE: f64 = 1e-3;
 /// Clamped edges hold the surfaces, too, as if they lay 0.013 thicknesses further inside.
 const CLAMPED_ERROR: f64 = 0.02;
 
@@ -193,10 +202,34 @@ impl Body {
     /// Mesh with edges of at most a length.
     pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
-        let layered = self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
+        let layered =
+            self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
-        let sizing = Sizing { size_m, layer_m, layered: layered.collect() };
+        let sizing = Sizing { size_m, layer_m, layered: layered.collect(), corners_m: self.corners_m(size_m) };
         Ok(Mesh::over(&self.outline, &sizing)?)
+    }
+
+    /// Length of the elements at each corner where stresses have no bound, metres.
+    fn corners_m(&self, size_m: f64) -> Vec<Option<f64>> {
+        let sides = self.outline.sides();
+        let starts = self.outline.rings.iter().scan(0, |first, ring| {
+            *first += ring.len();
+            Some((*first - ring.len())..*first)
+        });
+        let corner = |side: usize, before: usize| {
+            let (into, out) = (sides[before].derivative(1.0), sides[side].derivative(0.0));
+            let turn = (into[0] * out[1] - into[1] * out[0]).atan2(into[0] * out[0] + into[1] * out[1]);
+            let hinged = [before, side].iter().all(|&side| self.supports[side] == Support::Hinged);
+            let widest = if hinged && self.kind == Kind::Plate { HINGED_CORNER } else { FREE_CORNER };
+            // Within a thickness of it a corner of a plate is one in space.
+            let least_m = (HINGED_SHARE * size_m).max(0.5 * self.thickness_m);
+            let length_m = if self.kind == Kind::Plate { least_m } else { CORNER_SHARE * size_m };
+            (PI - turn > widest).then_some(length_m)
+        };
+        starts
+            .flat_map(|ring| ring.clone().map(move |side| (side, if side == ring.start { ring.end } else { side } - 1)))
+            .map(|(side, before)| corner(side, before))
+            .collect()
     }
 
     /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.

@@ -83,8 +83,9 @@ const LEAST_UNKNOWNS: usize = 6;
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Least share of the error that is asked for that the mesh may have.
 const MESH_SHARE: f64 = 0.25;
-/// Error that is added to each estimate: that of curves as cubics, and of rounding.
-const LEAST_ERROR: f64 = 1e-6;
+/// Error that is added to each estimate: that of curves as cubics, of rounding in thin plates, of
+/// corners within their smallest elements.
+const LEAST_ERROR: f64 = 2e-5;
 /// Half the sample rate of boards: modes above it are not heard.
 const HIGHEST_HZ: f64 = 24_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.

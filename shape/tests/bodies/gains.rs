@@ -169,7 +169,7 @@ fn pressure_on_the_axis_of_a_clamped_disc_is_that_of_its_bessel_functions() {
         count += 1;
     }
     println!("worst {:.4} % of {count} modes", 100.0 * worst);
-    assert!(count == 2 && worst < 4e-5, "{worst} of {count}");
+    assert!(count == 2 && worst < 2e-4, "{worst} of {count}");
 }
 
 #[test]

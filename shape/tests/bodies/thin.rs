@@ -101,25 +101,57 @@ fn assert_wood(count: usize, error: f64) {
 }
 
 #[test]
+fn thin_hinged_hexagon_has_the_frequency_of_its_membrane_squared() {
+    // Side 1; the membrane's lowest value is from Jones, arXiv:1602.08636, table of regular polygons.
+    let corner = |k: i32| [(f64::from(k) * PI / 3.0).cos(), (f64::from(k) * PI / 3.0).sin()];
+    let polygon = format!("polygon_m = {:?}", (0..6).map(corner).collect::<Vec<_>>());
+    let solved = solve_text(&plate(&polygon, THIN, "hinged"), None, Wanted::Lowest(1), 0.001).unwrap();
+    assert_within(&solved, &[thin_hz(7.155_339_13, 1.0, THIN)], 2.8e-4);
+}
+
+#[test]
+fn membranes_with_a_corner_into_them_have_the_frequencies_of_bessel_functions() {
+    for degrees in [240.0_f64, 270.0, 345.0] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let drawing = format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="4"><path d="M 2 2 L 3 2 A 1 1 0 1 1 {} {} Z"/></svg>"#,
+            2.0 + cosine,
+            2.0 + sine
+        );
+        let text = membrane("outline = \"sector.svg\", unit_m = 1");
+        let solved = solve_text(&text, Some(&drawing), Wanted::Lowest(16), 0.001).unwrap();
+        let orders = (1..40).map(|n| f64::from(n) * 180.0 / degrees);
+        let numbers = sorted(orders.flat_map(|order| bessel::zeros_of_order(order, 14.0)).collect(), 16);
+        let expected: Vec<f64> = numbers.iter().map(|number| number / TAU).collect();
+        println!("sector of {degrees} degrees");
+        assert_within(&solved, &expected, 5e-4);
+    }
+}
+
+/// Shape file of a membrane whose waves travel at 1 m/s.
+fn membrane(shape: &str) -> String {
+    format!(
+        "format = 1\nname = \"skin\"\nshape = {{ kind = \"membrane\", {shape}, tension_n_per_m = 1, density_kg_per_m2 = 1 }}\nmaterial = {{ loss_factor = 0 }}\n"
+    )
+}
+
+#[test]
 fn membranes_have_the_frequencies_of_closed_forms_to_half_a_thousandth() {
-    let text = |shape: &str| {
-        format!(
-            "format = 1\nname = \"skin\"\nshape = {{ kind = \"membrane\", {shape}, tension_n_per_m = 1, density_kg_per_m2 = 1 }}\nmaterial = {{ loss_factor = 0 }}\n"
-        )
-    };
     let l = "polygon_m = [[0, 0], [1, 0], [1, -1], [-1, -1], [-1, 1], [0, 1]]";
-    let solved = solve_text(&text(l), None, Wanted::Lowest(3), 0.0005).unwrap();
+    let solved = solve_text(&membrane(l), None, Wanted::Lowest(3), 0.0005).unwrap();
     let expected = [9.639_723_8_f64, 15.197_252, 19.739_209].map(|value| value.sqrt() / TAU);
     assert_within(&solved, &expected, 0.0005);
-    let disc = solve_text(&text("outline = \"disc.svg\", unit_m = 1"), Some(DISC), Wanted::Lowest(8), 0.0005).unwrap();
+    let disc =
+        solve_text(&membrane("outline = \"disc.svg\", unit_m = 1"), Some(DISC), Wanted::Lowest(8), 0.0005).unwrap();
     let zeros = [2.404_825_6, 3.831_706, 3.831_706, 5.135_622_3, 5.135_622_3, 5.520_078_1, 6.380_161_9, 6.380_161_9];
     assert_within(&disc, &zeros.map(|zero| zero / TAU), 2e-5);
-    let ring = solve_text(&text("outline = \"ring.svg\", unit_m = 1"), Some(RING), Wanted::Lowest(20), 0.0005).unwrap();
+    let ring =
+        solve_text(&membrane("outline = \"ring.svg\", unit_m = 1"), Some(RING), Wanted::Lowest(20), 0.0005).unwrap();
     let expected: Vec<f64> = bessel::ring_membrane(0.4, 16.0).iter().take(20).map(|number| number / TAU).collect();
     assert_within(&ring, &expected, 2e-5);
     // Equilateral triangle of side 1: λ = (16 π²/9) (m² + m n + n²).
     let triangle = format!("polygon_m = [[0, 0], [1, 0], [0.5, {}]]", 0.75_f64.sqrt());
-    let solved = solve_text(&text(&triangle), None, Wanted::Lowest(8), 0.0005).unwrap();
+    let solved = solve_text(&membrane(&triangle), None, Wanted::Lowest(8), 0.0005).unwrap();
     let waves = (1..12).flat_map(|m| (1..12).map(move |n| f64::from(m * m + m * n + n * n)));
     let expected = sorted(waves.map(|square| (16.0 / 9.0 * square).sqrt() * PI / TAU).collect(), 8);
     assert_within(&solved, &expected, 2e-5);

@@ -121,3 +121,26 @@ pub(crate) fn clamped_ring(inner: f64, limit: f64) -> Vec<f64> {
     };
     pairs(limit, |n| roots(first(n), limit, 0.05, |x| determinant(n, x)))
 }
+
+/// Zeros below a limit of the Bessel function of any order, by the power series.
+pub(crate) fn zeros_of_order(order: f64, most: f64) -> Vec<f64> {
+    let value = |x: f64| {
+        let (mut term, mut sum) = (1.0, 1.0);
+        for k in 1..80 {
+            term *= -0.25 * x * x / (f64::from(k) * (f64::from(k) + order));
+            sum += term;
+        }
+        sum
+    };
+    let steps = (most / 0.05) as usize;
+    let bounds = (0..steps).map(|k| [0.05 * k as f64, 0.05 * (k + 1) as f64]);
+    let crossings = bounds.filter(|&[low, high]| value(low) * value(high) < 0.0);
+    let zero = |[mut low, mut high]: [f64; 2]| {
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if value(low) * value(middle) <= 0.0 { high = middle } else { low = middle }
+        }
+        low
+    };
+    crossings.map(zero).collect()
+}
