@@ -1,5 +1,6 @@
 //! Sum of the vertical and the horizontal force, frame by frame.
 
+use super::kernel::{self, Adding};
 use super::power::Powers;
 use super::ramp::{Normal, Ramp, fixed_from, power_of_two};
 use super::scale::Gain;
@@ -79,25 +80,10 @@ impl Sum {
 
     /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated.
     pub(super) fn render(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
-        if weights.left == 0 {
-            self.render_shifted::<false>(weights, frames)
-        } else {
-            self.render_shifted::<true>(weights, frames)
-        }
-    }
-
-    #[inline(never)]
-    fn render_shifted<const LEFT: bool>(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
-        let Weights { rise: gain, mut vertical, mut horizontal, left, right, less } = weights;
-        let mut slope = self.slope;
-        for frame in frames {
-            let rise = *frame;
-            slope = next_slope(slope, i64::from(rise) * i64::from(gain), less);
-            let across = fixed::smmul(high(slope), horizontal.next()).abs();
-            let sum = fixed::smmul(rise, vertical.next()) + across;
-            *frame = if LEFT { fixed::saturating_shift_left(sum, left) } else { sum >> (right & 31) };
-        }
-        self.slope = slope;
+        let Weights { rise: gain, vertical, horizontal, left, right, less } = weights;
+        let mut adding = Adding { slope: self.slope, gain, less, vertical, horizontal, right, left };
+        kernel::add_up(&mut adding, frames);
+        self.slope = adding.slope;
     }
 
     /// Turns rises into force with another exponent than 1, or for a ball: `more` gives what comes

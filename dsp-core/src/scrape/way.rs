@@ -1,5 +1,6 @@
 //! Way of a contact along an axis over a tick.
 
+use super::kernel::Course;
 use super::path::Steps;
 use super::ramp::power_of_two;
 use crate::time::TICK_FRAMES;
@@ -44,6 +45,24 @@ impl Way {
     pub(super) const fn behind(self, quarters: i64) -> (Steps, Self) {
         let rest = 4 - quarters;
         ((self.speed * rest) >> 2, Self { speed: self.speed - ((self.step * rest) >> 2), step: self.step })
+    }
+
+    /// Course whose places lie in the middle of each frame, from a place that the way begins at.
+    /// The speed must be below half a point a frame.
+    pub(super) const fn middles(self, from: Steps) -> Course {
+        let (behind, way) = self.behind(2);
+        Course { place: from - behind, speed: way.speed as i32, step: way.step as i32 }
+    }
+
+    /// Course whose places lie at a quarter and at three quarters of each frame, from a place that
+    /// the way begins at. The speed must be below a point a frame.
+    pub(super) const fn quarters(self, from: Steps) -> Course {
+        let first = self.speed + self.step;
+        let quarter = first - ((3 * first) >> 2);
+        // From a quarter to three quarters of the first frame goes half its speed; the way before
+        // is a step of half a frame less.
+        let (half, step) = (first >> 1, self.step >> 2);
+        Course { place: from + quarter - (half - step), speed: (half - 2 * step) as i32, step: step as i32 }
     }
 
     /// Speeds and steps for [`Walk::go`](super::walk::Walk::go).

@@ -2,26 +2,50 @@
 
 use zerocopy::byteorder::little_endian::I16;
 
-use super::super::spline;
 use super::super::tanh::tanh;
 use super::super::walk::Walk;
-use super::{Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
+use super::{Adding, Course, Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
 use crate::fixed;
 use crate::table::Map;
 use crate::table::layout::GUARD;
 use crate::time::TICK_FRAMES;
 
-/// Reads a table's spline where a walk goes: a value for each place.
-pub(in super::super) fn read(table: &[I16], walk: &Walk, values: &mut [i32]) {
-    let places = walk.points(values.len());
-    if table.len() < walk.length() + GUARD {
+/// Reads a table's spline along a course: a value for each place. `points` is the number of points
+/// before the table goes on by its guard. [`ONE`](super::ONE) stands for 1.
+pub(in super::super) fn read(table: &[I16], points: usize, course: Course, values: &mut [i32]) {
+    let Course { place, mut speed, step } = course;
+    let (mut index, mut within) = ((place >> 32) as usize, (place as u32 ^ (1 << 31)) as i32);
+    if table.len() < points + GUARD || index >= points {
         values.fill(0);
         return;
     }
-    for (value, place) in values.iter_mut().zip(places) {
-        let four = table.get(place.index as usize..).and_then(<[_]>::first_chunk::<4>);
-        *value = four.map_or(0, |c| spline::value(c.map(|c| i32::from(c.get())), place.fraction));
+    let mut terms = terms_at(table, index);
+    for value in values {
+        speed = speed.wrapping_add(step);
+        let (next, is_beyond) = within.overflowing_add(speed);
+        within = next;
+        if is_beyond {
+            let last = points - 1;
+            index = match speed < 0 {
+                true if index == 0 => last,
+                true => index - 1,
+                false if index == last => 0,
+                false => index + 1,
+            };
+            terms = terms_at(table, index);
+        }
+        let sum = fixed::smmlar(terms[2], terms[3], within);
+        let sum = fixed::smmlar(terms[1], sum, within);
+        *value = fixed::smmlar(terms[0], sum, within);
     }
+}
+
+/// Terms of 1, t, t² and t³ of the spline in the interval behind a table's point, t from -1/2 to
+/// 1/2 about its middle. All sums with t are below 112·2^15·2^9, which is below 2^31.
+fn terms_at(table: &[I16], index: usize) -> [i32; 4] {
+    let Some(four) = table.get(index..).and_then(<[_]>::first_chunk::<4>) else { return [0; 4] };
+    let [a, b, c, d] = four.map(|c| i32::from(c.get()));
+    [512 * (a + 23 * (b + c) + d), 3072 * (d - a + 5 * (c - b)), 6144 * (a - b - c + d), 4096 * (d - a + 3 * (b - c))]
 }
 
 /// Reads the curvature of a map in a direction: along its rows where the first walk goes, across
@@ -65,7 +89,7 @@ const fn row_weights(fraction: i32) -> [i32; 4] {
     [(6 << 28) - second - third - cube, second, third, cube]
 }
 
-/// Spline along a row, as [`spline::value`] with coefficients of 27 bits.
+/// Spline along a row, as that of [`read`] with coefficients of 27 bits.
 #[inline(always)]
 const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
     let outer = a + c;
@@ -79,7 +103,16 @@ const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
 pub(in super::super) fn limit(limited: &mut Limited, values: &mut [i32]) {
     for value in values {
         let limit = tanh(fixed::smmulr(*value, limited.factor.next()));
-        *value = fixed::smmulr(limit, limited.rise.next()) - limited.mean;
+        *value = fixed::smmlar(limited.less, limit, limited.rise.next());
+    }
+}
+
+/// Limits curvatures of two places in each frame, and turns their means into rises.
+pub(in super::super) fn limit_halves(limited: &mut Limited, values: &[i32], rises: &mut [i32]) {
+    for (rise, halves) in rises.iter_mut().zip(values.as_chunks().0) {
+        let factor = limited.factor.next();
+        let [first, second] = halves.map(|value| tanh(fixed::smmulr(value, factor)) >> 1);
+        *rise = fixed::smmlar(limited.less, first + second, limited.rise.next());
     }
 }
 
@@ -114,4 +147,21 @@ fn four_outputs(window: &[i32], taps: &[i32]) -> [i32; OUTPUTS] {
 #[inline(always)]
 fn accumulated(sums: [i32; OUTPUTS], tap: i32, window: [i32; OUTPUTS]) -> [i32; OUTPUTS] {
     [0, 1, 2, 3].map(|n| fixed::smmlar(sums[n], window[n], tap))
+}
+
+/// Turns rises into force: see [`Adding`]. The slope stays within ±2^30 in its high word.
+pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES]) {
+    let high = |slope: i64| (slope >> 32) as i32;
+    for frame in frames {
+        let rise = *frame;
+        // A slope below 2^62 and a rise below 2^30 times 2^29.
+        let slope = adding.slope
+            + i64::from(high(adding.slope)) * i64::from(adding.less)
+            + i64::from(rise) * i64::from(adding.gain);
+        let clamped = high(slope).clamp(-(1 << 30), (1 << 30) - 1);
+        adding.slope = (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX));
+        let across = fixed::smmul(clamped, adding.horizontal.next()).abs();
+        let sum = fixed::smmla(across, rise, adding.vertical.next());
+        *frame = fixed::saturating_shift_left(sum >> adding.right, adding.left);
+    }
 }
