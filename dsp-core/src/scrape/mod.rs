@@ -23,6 +23,7 @@ mod cost;
 mod curvature;
 mod difference;
 mod kernel;
+mod limit;
 mod motion;
 mod path;
 mod plane;

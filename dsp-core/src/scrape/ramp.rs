@@ -53,13 +53,12 @@ pub(super) fn exponent(number: f32) -> i32 {
     (number.to_bits() >> 23 & 255) as i32 - 127
 }
 
-/// Number as fixed point with `bits` fraction bits, within ±(2^30 - 1).
+/// Number as fixed point with `bits` fraction bits, -126 to 127, within ±(2^30 - 1).
 ///
 /// `as` saturates, and makes 0 of a number that is none.
 pub(super) fn fixed_from(value: f32, bits: i32) -> i32 {
     let limit = (1 << 30) - 1;
-    let half = bits / 2;
-    ((value * power_of_two(half) * power_of_two(bits - half)) as i32).clamp(-limit, limit)
+    ((value * power_of_two(bits)) as i32).clamp(-limit, limit)
 }
 
 /// Power of two, exact, for exponents from -126 to 127.

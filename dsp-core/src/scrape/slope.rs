@@ -106,6 +106,9 @@ pub(super) struct Slope<'k> {
     walk: Walk,
     /// Curvatures of a block that is read twice.
     halves: [i32; 2 * TICK_FRAMES],
+    between: Between,
+    /// Segments of the last block.
+    pair: Pair,
     /// Work of the last tick.
     work: Work,
 }
@@ -121,6 +124,8 @@ impl<'k> Slope<'k> {
             plane: None,
             walk: Walk::new(),
             halves: [0; 2 * TICK_FRAMES],
+            between: Between::NONE,
+            pair: Pair::NONE,
             work: Work::NONE,
         }
     }
@@ -128,11 +133,13 @@ impl<'k> Slope<'k> {
     /// Begins to read a surface from place 0.
     pub(super) fn begin(&mut self, surface: Surface<'k>, seed: u32) {
         (self.surface, self.place, self.work) = (surface, 0, Work::NONE);
+        self.between = Between::new(&surface);
         self.plane = Plane::new(&surface);
         self.segments = match &self.plane {
             Some(plane) => Segments::in_map(plane.shorter(), seed),
             None => Segments::new(surface.grid_points() as u32, seed),
         };
+        self.pair = Pair::NONE;
     }
 
     /// Goes on over a tick.
@@ -175,7 +182,8 @@ impl<'k> Slope<'k> {
         } else {
             [self.place.min(end), self.place.max(end)]
         };
-        let pair = self.segments.nearest(between[0]);
+        let pair = self.segments.nearest(between[0], &self.pair);
+        self.pair = pair;
         match pair.only(between) {
             Some(only) => self.read(tick, (&pair, only == 1), way, rises),
             None => {
@@ -251,7 +259,8 @@ impl<'k> Slope<'k> {
     }
 
     fn prepared(&self, ends: &Ends, reading: Reading, unit: f32) -> Tick {
-        let (column, shares) = self.between(ends.alpha_m);
+        let inverse = ends.alpha_m.map(|alpha_m| 1.0 / alpha_m);
+        let (column, shares) = self.between(ends.alpha_m, inverse);
         if let Reading::Octave(octave) = reading {
             let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
             let first = shares.map(|s| (1.0 - s) * (1.0 + gain * s));
@@ -261,7 +270,7 @@ impl<'k> Slope<'k> {
         }
         let metres = self.surface.grid_step_m() / unit;
         let [from, to] = ends.steps;
-        let rise = [from * metres / ends.alpha_m[0], to * metres / ends.alpha_m[1]];
+        let rise = [from * metres * inverse[0], to * metres * inverse[1]];
         // The mean belongs to no wave of the surface: path and slope would drift with it.
         let means = self.surface.mean_per_m();
         let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
@@ -278,13 +287,32 @@ impl<'k> Slope<'k> {
     }
 
     /// First of the two limits of the table between which limits lie, and the share of the second
-    /// one at each: straight lines over 1/α, which is the largest curvature.
-    fn between(&self, alpha_m: [f32; 2]) -> (usize, [f32; 2]) {
-        let [least, middle, most] = self.surface.alpha_m();
-        let is_upper = 0.5 * (alpha_m[0] + alpha_m[1]) > middle;
-        let (low, high) = if is_upper { (middle, most) } else { (least, middle) };
-        let scale = 1.0 / (1.0 / low - 1.0 / high);
-        (usize::from(is_upper), alpha_m.map(|alpha_m| ((1.0 / low - 1.0 / alpha_m) * scale).clamp(-1.0, 2.0)))
+    /// one at each: straight lines over the limits' inverses, the largest curvatures.
+    fn between(&self, alpha_m: [f32; 2], inverse: [f32; 2]) -> (usize, [f32; 2]) {
+        let Between { twice_m, low, scale } = self.between;
+        let column = usize::from(alpha_m[0] + alpha_m[1] > twice_m);
+        let (low, scale) = if column == 0 { (low[0], scale[0]) } else { (low[1], scale[1]) };
+        (column, inverse.map(|inverse| ((low - inverse) * scale).clamp(-1.0, 2.0)))
+    }
+}
+
+/// Numbers of a table's limits that give the share of each.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    /// Twice the middle limit, in metres.
+    twice_m: f32,
+    /// Inverse of the lower of two neighbouring limits, and of the distance of their inverses.
+    low: [f32; 2],
+    scale: [f32; 2],
+}
+
+impl Between {
+    const NONE: Self = Self { twice_m: 0.0, low: [0.0; 2], scale: [0.0; 2] };
+
+    fn new(surface: &Surface<'_>) -> Self {
+        let [least, middle, most] = surface.alpha_m().map(|alpha_m| 1.0 / alpha_m);
+        let twice_m = 2.0 * surface.alpha_m()[1];
+        Self { twice_m, low: [least, middle], scale: [1.0 / (least - middle), 1.0 / (middle - most)] }
     }
 }
 
