@@ -1,6 +1,7 @@
 //! Force of one contact that goes on: `f = m S'' v² + β1 |v S'|^β2` (scraping-rolling eq. 1 to 7),
 //! and that of a ball with it (eq. 19).
 
+use super::kernel::roll::Frames;
 use super::limit::Limits;
 use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
 use super::plane::{HeadingEnd, weights_of};
@@ -308,13 +309,10 @@ impl<'k> Scraper<'k> {
         let speeds = if self.smoothing.delay() == 0 { [before, speed] } else { [earlier, before] };
         let weights = self.sum.weights(speeds, halvings);
         let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
-        match &mut self.roll {
-            Some(roll) => {
-                let mut tick = roll.prepared(speeds, weights.less);
-                self.sum.render_with(weights, q30, force, |slope| roll.next(&mut tick, slope));
-            }
-            None if self.sum.has_powers() => self.sum.render_with(weights, q30, force, |_| 0),
-            None => self.sum.render(weights, force),
+        let mut frames = Frames::NONE;
+        self.sum.render(weights, q30, force, &mut frames.slopes);
+        if let Some(roll) = &mut self.roll {
+            roll.render(speeds, weights.less, &mut frames, force);
         }
     }
 

@@ -2,7 +2,7 @@
 @ malleus_scrape_read_map(map, values, end, directions), malleus_scrape_limit(limited, pieces,
 @ values, end), malleus_scrape_limit_halves(limited, pieces, rises, end, values),
 @ malleus_scrape_smooth(history, taps, frames, taps_end), and
-@ malleus_scrape_add_up(adding, frames).
+@ malleus_scrape_add_up(adding, frames, slopes).
 @
 @ The bits are those of portable.rs.
 
@@ -383,6 +383,7 @@ malleus_scrape_smooth:
     smlal   r2, r3, r0, r4
     ssat    r3, #31, r3
     add     r8, r8, r9
+    str     r3, [r10], #4
     smmul   r12, r3, r8
     add     r6, r6, r7
     eor     r11, r12, r12, asr #31
@@ -392,7 +393,7 @@ malleus_scrape_smooth:
 
 @ The force from rises.
 @ Registers: r0 frame, r1 frames, r2 and r3 slope, r4 gain, r5 leak, r6 vertical gain, r7 its step,
-@ r8 horizontal gain, r9 its step, r10 shift, lr end of the frames; s0 gains of the tick.
+@ r8 horizontal gain, r9 its step, r10 slopes, lr shift; s0 gains of the tick, s1 end of the frames.
     .p2align 4
     .global malleus_scrape_add_up
     .type   malleus_scrape_add_up, %function
@@ -400,29 +401,34 @@ malleus_scrape_add_up:
     push    {r4-r11, lr}
     vmov    s0, r0
     add     lr, r1, #128
-    ldr     r10, [r0, #36]
+    vmov    s1, lr
+    mov     r10, r2
+    ldr     lr, [r0, #36]
     ldm     r0, {r2-r9}
-    cmp     r10, #0
+    cmp     lr, #0
     bne     3f
-    ldr     r10, [r0, #32]
+    vmov    lr, s0
+    ldr     lr, [lr, #32]
 1:  add_frame
-    asr     r0, r0, r10
+    asr     r0, r0, lr
     str     r0, [r1], #4
     add_frame
-    asr     r0, r0, r10
+    vmov    r12, s1
+    asr     r0, r0, lr
     str     r0, [r1], #4
-    cmp     r1, lr
+    cmp     r1, r12
     bne     1b
 2:  vmov    r0, s0
     strd    r2, r3, [r0]
     pop     {r4-r11, pc}
 3:  add_frame
-    lsl     r12, r0, r10
-    asr     r11, r12, r10
+    lsl     r12, r0, lr
+    asr     r11, r12, lr
     cmp     r11, r0
     bne     5f
 4:  str     r12, [r1], #4
-    cmp     r1, lr
+    vmov    r12, s1
+    cmp     r1, r12
     bne     3b
     b       2b
 5:  asr     r12, r0, #31

@@ -4,6 +4,7 @@
 mod cortex_m4;
 #[cfg(not(cortex_m4f))]
 mod portable;
+pub(super) mod roll;
 
 use super::ramp::Ramp;
 use crate::table::layout::CURVATURES;

@@ -149,10 +149,11 @@ fn accumulated(sums: [i32; OUTPUTS], tap: i32, window: [i32; OUTPUTS]) -> [i32; 
     [0, 1, 2, 3].map(|n| fixed::smmlar(sums[n], window[n], tap))
 }
 
-/// Turns rises into force: see [`Adding`]. The slope stays within ±2^30 in its high word.
-pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES]) {
+/// Turns rises into force, and gives the slope in each frame: see [`Adding`]. The slope stays within
+/// ±2^30 in its high word.
+pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES], slopes: &mut [i32; TICK_FRAMES]) {
     let high = |slope: i64| (slope >> 32) as i32;
-    for frame in frames {
+    for (frame, path) in frames.iter_mut().zip(slopes) {
         let rise = *frame;
         // A slope below 2^62 and a rise below 2^30 times 2^29.
         let slope = adding.slope
@@ -160,6 +161,7 @@ pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAM
             + i64::from(rise) * i64::from(adding.gain);
         let clamped = high(slope).clamp(-(1 << 30), (1 << 30) - 1);
         adding.slope = (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX));
+        *path = clamped;
         let across = fixed::smmul(clamped, adding.horizontal.next()).abs();
         let sum = fixed::smmla(across, rise, adding.vertical.next());
         *frame = fixed::saturating_shift_left(sum >> adding.right, adding.left);
