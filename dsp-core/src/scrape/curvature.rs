@@ -1,6 +1,7 @@
 //! Limited curvature, read from the surface frame by frame.
 
-use super::kernel::{Limited, MAP_ONE, ONE};
+use super::kernel::map::MAP_ONE;
+use super::kernel::{Limited, ONE};
 use super::ramp::{Ramp, fixed_from};
 use super::tanh::ARGUMENT_BITS;
 use crate::table::Surface;

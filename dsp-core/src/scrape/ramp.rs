@@ -22,6 +22,11 @@ impl Ramp {
         self.value = self.value.wrapping_add(self.step.wrapping_mul(frames as i32));
     }
 
+    /// Value at the end of the last frame.
+    pub(super) const fn now(self) -> i32 {
+        self.value
+    }
+
     /// Gives the value at the end of the next frame.
     #[inline(always)]
     pub(super) const fn next(&mut self) -> i32 {

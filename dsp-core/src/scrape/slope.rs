@@ -152,7 +152,7 @@ impl<'k> Slope<'k> {
         let block = self.segments.block(largest);
         let mut tick = self.prepared(&ends, reading, unit);
         if let Some(plane) = &mut self.plane {
-            plane.begin(&ends.heading);
+            plane.begin(&ends.heading, reading == Reading::Once);
         }
         for rises in rises.chunks_mut(block) {
             self.block(&mut tick, way, largest, rises);
@@ -215,7 +215,7 @@ impl<'k> Slope<'k> {
             Tick::Once(limited) => {
                 self.work.curvatures += frames;
                 if let Some(plane) = &mut self.plane {
-                    plane.read((&self.segments, segment.0, segment.1), 2, rises);
+                    plane.read((&self.segments, segment.0, segment.1), rises);
                 } else {
                     let course = way.middles(self.place + segment.0.offset(segment.1));
                     self.curvatures(course, rises);
@@ -227,13 +227,7 @@ impl<'k> Slope<'k> {
                 let mut halves = self.halves;
                 let Some(halves) = halves.get_mut(..2 * rises.len()) else { return };
                 if let Some(plane) = &mut self.plane {
-                    let mut others = [0; TICK_FRAMES];
-                    let Some(others) = others.get_mut(..rises.len()) else { return };
-                    plane.read((&self.segments, segment.0, segment.1), 1, rises);
-                    plane.read((&self.segments, segment.0, segment.1), 3, others);
-                    for ((halves, first), second) in halves.as_chunks_mut().0.iter_mut().zip(&*rises).zip(&*others) {
-                        *halves = [*first, *second];
-                    }
+                    plane.read_twice((&self.segments, segment.0, segment.1), halves);
                 } else {
                     let course = way.quarters(self.place + segment.0.offset(segment.1));
                     self.curvatures(course, halves);

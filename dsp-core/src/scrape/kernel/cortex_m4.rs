@@ -7,10 +7,8 @@ use zerocopy::byteorder::little_endian::I16;
 
 use super::super::ramp::Ramp;
 use super::super::tanh::{ARGUMENT_BITS, PIECE_TERMS, PIECES, Piece, WITHIN_BITS};
-use super::super::walk::{Point, Walk};
-use super::{Adding, Course, Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
-use crate::table::Map;
-use crate::table::layout::{CURVATURES, GUARD};
+use super::{Adding, Course, Limited, OUTPUTS, TAPS};
+use crate::table::layout::GUARD;
 use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
@@ -21,19 +19,12 @@ const _: () = {
     assert!(offset_of!(Limited, factor) == 0 && offset_of!(Limited, rise) == 8 && offset_of!(Limited, less) == 16);
     assert!(offset_of!(Adding, gain) == 8 && offset_of!(Adding, less) == 12 && offset_of!(Adding, vertical) == 16);
     assert!(offset_of!(Adding, horizontal) == 24 && offset_of!(Adding, right) == 32 && offset_of!(Adding, left) == 36);
-    assert!(size_of::<Point>() == 8 && offset_of!(Point, fraction) == 4 && size_of::<I16>() == 2);
-    assert!(size_of::<Ramp>() == 8 && CURVATURES == 3 && MAP_ROUNDING == 6 && size_of::<MapPlaces>() == 20);
+    assert!(size_of::<Ramp>() == 8 && size_of::<I16>() == 2);
     assert!(ARGUMENT_BITS == 19 && WITHIN_BITS == 14 && PIECES == 512 && size_of::<Piece>() == 8 && GUARD == 3);
 };
 
 unsafe extern "C" {
     fn malleus_scrape_read(course: *const CourseInTable, values: *mut i32, values_end: *const i32);
-    fn malleus_scrape_read_map(
-        map: *const MapPlaces,
-        values: *mut i32,
-        values_end: *const i32,
-        directions: *const Directions,
-    );
     fn malleus_scrape_limit(limited: *mut Limited, pieces: *const Piece, values: *mut i32, values_end: *const i32);
     fn malleus_scrape_limit_halves(
         limited: *mut Limited,
@@ -82,43 +73,6 @@ pub(in super::super) fn read(table: &[I16], points: usize, course: Course, value
     // SAFETY: there is at least one value; each interval lies before the points' end, behind which
     // the table goes on by three coefficients.
     unsafe { malleus_scrape_read(&course, values.as_mut_ptr(), end) }
-}
-
-/// Map and places that `malleus_scrape_read_map` reads.
-#[repr(C)]
-struct MapPlaces {
-    coefficients: *const I16,
-    row_bytes: usize,
-    /// From the row behind the four of a map to the first of the next map's.
-    rest_bytes: usize,
-    x: *const Point,
-    y: *const Point,
-}
-
-/// Reads a map as [`super::portable::read_map`] does.
-///
-/// Cost by the cycle model: 220 cycles a frame on a map at 0.2 m/s, where fades between segments
-/// read some places twice (`cargo test -p host-tests --test on_chip scrape:: -- --nocapture`).
-pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], directions: Directions, values: &mut [i32]) {
-    let [columns, rows] = map.points();
-    let [x, y] = walks.map(|walk| walk.points(values.len()));
-    let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
-    let is_whole = walks.map(Walk::length) == [columns, rows] && map.coefficients().len() == CURVATURES * size;
-    if values.is_empty() || x.len() < values.len() || y.len() < values.len() || !is_whole {
-        values.fill(0);
-        return;
-    }
-    let places = MapPlaces {
-        coefficients: map.coefficients().as_ptr(),
-        row_bytes: 2 * row,
-        rest_bytes: 2 * size - 8 * row,
-        x: x.as_ptr(),
-        y: y.as_ptr(),
-    };
-    let end = values.as_ptr_range().end;
-    // SAFETY: there is a place in both directions for each value, at least one; each lies before
-    // the map's numbers of columns and rows, behind which its coefficients go on by three.
-    unsafe { malleus_scrape_read_map(&places, values.as_mut_ptr(), end, &directions) }
 }
 
 /// Limits curvatures as [`super::portable::limit`] does.

@@ -1,6 +1,6 @@
 @ The loops of a contact for a Cortex-M4F: malleus_scrape_read(course, values, end),
-@ malleus_scrape_read_map(map, values, end, directions), malleus_scrape_limit(limited, pieces,
-@ values, end), malleus_scrape_limit_halves(limited, pieces, rises, end, values),
+@ malleus_scrape_limit(limited, pieces, values, end),
+@ malleus_scrape_limit_halves(limited, pieces, rises, end, values),
 @ malleus_scrape_smooth(history, taps, frames, taps_end), and
 @ malleus_scrape_add_up(adding, frames, slopes).
 @
@@ -96,112 +96,6 @@ malleus_scrape_read:
 6:  course_next 4b
     .ltorg
     .size   malleus_scrape_read, . - malleus_scrape_read
-
-@ A row of a map: its four coefficients times the row's weight onto the sums of their columns.
-    .macro map_row weight
-    smmulr  r12, r1, \weight
-    ldr     lr, [r0]
-    ldr     r2, [r0, #4]
-    add     r0, r0, r3
-    smlawb  r4, r12, lr, r4
-    smlawt  r5, r12, lr, r5
-    smlawb  r6, r12, r2, r6
-    smlawt  r7, r12, r2, r7
-    .endm
-
-@ The four rows of a curvature, with its weight in the direction.
-    .macro map_rows value step
-    vmov    r1, \value
-    vmov    r2, \step
-    add     r1, r1, r2
-    vmov    \value, r1
-    map_row r8
-    map_row r9
-    map_row r10
-    map_row r11
-    .endm
-
-@ A value of the map for each place.
-@ Registers: r0 row, r1 weight of the direction, r2 coefficients, r3 bytes of a row, r4-r7 sums of
-@ columns, r8-r11 weights of rows, r12 weight of a row and direction, lr coefficients; s0 values,
-@ s1 their end, s2 map, s3 bytes of a row, s4 bytes to the next map, s5 and s6 places along rows and
-@ across, s8-s13 weights of the directions and their steps, s15 fraction.
-    .p2align 4
-    .global malleus_scrape_read_map
-    .type   malleus_scrape_read_map, %function
-malleus_scrape_read_map:
-    push    {r4-r11, lr}
-    vldmia  r0, {s2-s6}
-    vldmia  r3, {s8-s13}
-    vmov    s0, r1
-    vmov    s1, r2
-1:  vmov    r0, s6
-    ldrd    r1, r2, [r0], #8
-    vmov    s6, r0
-    vmov    r3, s3
-    vmov    r0, s2
-    mla     r0, r1, r3, r0
-    vmov    r1, s5
-    ldrd    r12, lr, [r1], #8
-    vmov    s5, r1
-    add     r0, r0, r12, lsl #1
-    vmov    s15, lr
-    smmulr  r12, r2, r2
-    smmulr  r11, r12, r2
-    asr     r11, r11, #1
-    asr     r12, r12, #2
-    asr     r2, r2, #3
-    sub     r9, r11, r12, lsl #1
-    add     r9, r9, r9, lsl #1
-    add     r9, r9, #0x40000000
-    add     r10, r2, r12
-    sub     r10, r10, r11
-    add     r10, r10, r10, lsl #1
-    add     r10, r10, #0x10000000
-    rsb     r8, r9, #0x60000000
-    sub     r8, r8, r10
-    sub     r8, r8, r11
-    movs    r4, #6
-    movs    r5, #6
-    movs    r6, #6
-    movs    r7, #6
-    map_rows s8, s9
-    vmov    r2, s4
-    add     r0, r0, r2
-    map_rows s10, s11
-    vmov    r2, s4
-    add     r0, r0, r2
-    map_rows s12, s13
-    asr     r4, r4, #2
-    asr     r5, r5, #2
-    asr     r6, r6, #2
-    asr     r7, r7, #2
-    vmov    lr, s15
-    add     r12, r4, r6
-    sub     r2, r5, r6
-    add     r2, r2, r2, lsl #1
-    add     r2, r2, r7
-    sub     r2, r2, r4
-    lsl     r2, r2, #1
-    sub     r3, r12, r5, lsl #1
-    add     r3, r3, r3, lsl #1
-    smmlar  r2, r2, lr, r3
-    sub     r3, r6, r4
-    add     r3, r3, r3, lsl #1
-    asr     r3, r3, #1
-    smmlar  r2, r2, lr, r3
-    add     r3, r12, r5, lsl #2
-    asr     r3, r3, #2
-    smmlar  r2, r2, lr, r3
-    lsl     r2, r2, #3
-    vmov    r0, s0
-    vmov    r1, s1
-    str     r2, [r0], #4
-    vmov    s0, r0
-    cmp     r0, r1
-    bne     1b
-    pop     {r4-r11, pc}
-    .size   malleus_scrape_read_map, . - malleus_scrape_read_map
 
 @ A value's argument of tanh, and the place of its piece.
     .macro limit_argument value, piece

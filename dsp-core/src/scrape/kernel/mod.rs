@@ -2,37 +2,26 @@
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
+pub(super) mod map;
 #[cfg(not(cortex_m4f))]
 mod portable;
 pub(super) mod roll;
 
 use super::ramp::Ramp;
-use crate::table::layout::CURVATURES;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{add_up, filter, limit, limit_halves, read, read_map};
+pub(super) use cortex_m4::{add_up, filter, limit, limit_halves, read};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{add_up, filter, limit, limit_halves, read, read_map};
+pub(super) use portable::{add_up, filter, limit, limit_halves, read};
 
 /// Taps come in whole steps of so many; the last ones may be 0.
 pub(super) const TAPS: usize = 4;
 /// Outputs that are computed at once.
 const OUTPUTS: usize = 4;
 
-/// Weights of a map's curvatures over a tick, Q30: c², c s and s² in the direction (c, s).
-pub(super) type Directions = [Ramp; CURVATURES];
-
 /// Value that [`read`] gives for a coefficient of 1 everywhere: the spline's 6, and 8 for the third
 /// power of a half.
 pub(super) const ONE: i32 = 48 << 9;
-
-/// Value that [`read_map`] gives for a curvature of 1 unit: 36 for the splines of both directions.
-pub(super) const MAP_ONE: i32 = 36 << 9;
-
-/// Begin of a column's sum in [`read_map`]: 2 for the shift by 2 bits, and 4 for what the products
-/// lose, on average 2 in an axis's direction and 6 in others. Left out, it would be a slope of the
-/// surface, and pile up in that of the path.
-const MAP_ROUNDING: i32 = 6;
 
 /// Places of less than half a point between one and the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,10 +3,8 @@
 use zerocopy::byteorder::little_endian::I16;
 
 use super::super::tanh::tanh;
-use super::super::walk::Walk;
-use super::{Adding, Course, Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
+use super::{Adding, Course, Limited, OUTPUTS, TAPS};
 use crate::fixed;
-use crate::table::Map;
 use crate::table::layout::GUARD;
 use crate::time::TICK_FRAMES;
 
@@ -46,57 +44,6 @@ fn terms_at(table: &[I16], index: usize) -> [i32; 4] {
     let Some(four) = table.get(index..).and_then(<[_]>::first_chunk::<4>) else { return [0; 4] };
     let [a, b, c, d] = four.map(|c| i32::from(c.get()));
     [512 * (a + 23 * (b + c) + d), 3072 * (d - a + 5 * (c - b)), 6144 * (a - b - c + d), 4096 * (d - a + 3 * (b - c))]
-}
-
-/// Reads the curvature of a map in a direction: along its rows where the first walk goes, across
-/// them where the second one does. [`MAP_ONE`](super::MAP_ONE) stands for one unit.
-pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], mut directions: Directions, values: &mut [i32]) {
-    let [columns, rows] = map.points();
-    let [x, y] = walks.map(|walk| walk.points(values.len()));
-    let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
-    if walks.map(Walk::length) != [columns, rows] {
-        values.fill(0);
-        return;
-    }
-    for ((value, x), y) in values.iter_mut().zip(x).zip(y) {
-        let weights = row_weights(y.fraction);
-        let mut sums = [MAP_ROUNDING; 4];
-        for (map_index, direction) in directions.iter_mut().enumerate() {
-            let share = direction.next();
-            for (row_index, weight) in weights.iter().enumerate() {
-                // At most 1 times 4 in Q26: the sums stay below 1.5 · 6 · 2^26 · 2^15 / 2^16, which
-                // is 2^28.2.
-                let weight = fixed::smmulr(share, *weight);
-                let first = map_index * size + (y.index as usize + row_index) * row + x.index as usize;
-                let four = map.coefficients().get(first..).and_then(<[_]>::first_chunk::<4>);
-                for (sum, c) in sums.iter_mut().zip(four.map_or([0; 4], |four| four.map(|c| c.get()))) {
-                    *sum += ((i64::from(weight) * i64::from(c)) >> 16) as i32;
-                }
-            }
-        }
-        *value = along_row(sums.map(|sum| sum >> 2), x.fraction);
-    }
-}
-
-/// Weights of a spline's four coefficients at a fraction, Q28; their sum is 6.
-#[inline(always)]
-const fn row_weights(fraction: i32) -> [i32; 4] {
-    let square = fixed::smmulr(fraction, fraction);
-    let cube = fixed::smmulr(square, fraction) >> 1;
-    let (t, square) = (fraction >> 3, square >> 2);
-    let second = 3 * (cube - 2 * square) + (4 << 28);
-    let third = 3 * (t + square - cube) + (1 << 28);
-    [(6 << 28) - second - third - cube, second, third, cube]
-}
-
-/// Spline along a row, as that of [`read`] with coefficients of 27 bits.
-#[inline(always)]
-const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
-    let outer = a + c;
-    let cube = (d - a + 3 * (b - c)) << 1;
-    let sum = fixed::smmlar(3 * (outer - 2 * b), cube, fraction);
-    let sum = fixed::smmlar((3 * (c - a)) >> 1, sum, fraction);
-    fixed::smmlar((outer + 4 * b) >> 2, sum, fraction) << 3
 }
 
 /// Limits curvatures, and turns them into rises.
