@@ -309,10 +309,13 @@ impl<'k> Scraper<'k> {
         let speeds = if self.smoothing.delay() == 0 { [before, speed] } else { [earlier, before] };
         let weights = self.sum.weights(speeds, halvings);
         let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
-        let mut frames = Frames::NONE;
-        self.sum.render(weights, q30, force, &mut frames.slopes);
-        if let Some(roll) = &mut self.roll {
-            roll.render(speeds, weights.less, &mut frames, force);
+        match &mut self.roll {
+            Some(roll) => {
+                let mut frames = Frames::NONE;
+                self.sum.render(weights, q30, force, &mut frames.slopes);
+                roll.render(speeds, weights.less, &mut frames, force);
+            }
+            None => self.sum.render(weights, q30, force, &mut [0; TICK_FRAMES]),
         }
     }
 

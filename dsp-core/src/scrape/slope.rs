@@ -104,8 +104,6 @@ pub(super) struct Slope<'k> {
     plane: Option<Plane<'k>>,
     /// Places of the block that is read.
     walk: Walk,
-    /// Curvatures of a block that is read twice.
-    halves: [i32; 2 * TICK_FRAMES],
     between: Between,
     /// Segments of the last block.
     pair: Pair,
@@ -123,7 +121,6 @@ impl<'k> Slope<'k> {
             place: 0,
             plane: None,
             walk: Walk::new(),
-            halves: [0; 2 * TICK_FRAMES],
             between: Between::NONE,
             pair: Pair::NONE,
             work: Work::NONE,
@@ -224,7 +221,7 @@ impl<'k> Slope<'k> {
             }
             Tick::Twice(limited) => {
                 self.work.curvatures += 2 * frames;
-                let mut halves = self.halves;
+                let mut halves = [0; 2 * TICK_FRAMES];
                 let Some(halves) = halves.get_mut(..2 * rises.len()) else { return };
                 if let Some(plane) = &mut self.plane {
                     plane.read_twice((&self.segments, segment.0, segment.1), halves);

@@ -107,8 +107,9 @@ impl Smoothing {
         // The tap k is first^(k²): each is the one before times first^(2k + 1). All are Q31.
         let square = fixed::times_q31(first, first);
         let Some((left, [middle, right @ ..])) = self.taps.split_at_mut_checked(MAX_REACH) else { return };
+        let Some((right, rest)) = right.split_at_mut_checked(self.reach) else { return };
         let (mut weight, mut ratio, mut sum) = (i32::MAX, first, 1 << 24);
-        for tap in right.iter_mut().take(self.reach) {
+        for tap in right.iter_mut() {
             weight = fixed::times_q31(weight, ratio);
             ratio = fixed::times_q31(ratio, square);
             *tap = weight;
@@ -120,11 +121,11 @@ impl Smoothing {
         // `as` saturates where the middle tap is 1.
         let scale = scale as i32;
         *middle = scale;
-        for (before, behind) in left.iter_mut().rev().zip(right.iter_mut()).take(self.reach) {
+        for (before, behind) in left.iter_mut().rev().zip(right) {
             *behind = fixed::times_q31(*behind, scale);
             *before = *behind;
         }
-        right.iter_mut().skip(self.reach).take(TAPS - 1).for_each(|tap| *tap = 0);
+        rest.first_chunk_mut().into_iter().for_each(|taps: &mut [i32; TAPS]| *taps = [0; TAPS]);
     }
 
     /// Room for the frames of the next tick, each at most 2^30 in size, whose unit has been halved

@@ -2,7 +2,6 @@
 
 use super::kernel::Course;
 use super::path::Steps;
-use super::ramp::power_of_two;
 use crate::time::TICK_FRAMES;
 
 /// Way whose speed changes linearly: in each frame the speed grows by the step, then the place by
@@ -19,7 +18,7 @@ impl Way {
     /// Way between speeds at a tick's ends, points a frame. Each frame goes on by its mean speed,
     /// so that there and back end where they began.
     pub(super) fn new(ends: [f32; 2]) -> Self {
-        let [from, to] = ends.map(|points| (points * power_of_two(32)) as i64);
+        let [from, to] = ends.map(steps_of);
         let step = (to - from) / TICK_FRAMES as i64;
         Self { speed: from - (step >> 1), step }
     }
@@ -69,4 +68,16 @@ impl Way {
     pub(super) const fn ends(self) -> [i64; 2] {
         [self.speed, self.step]
     }
+}
+
+/// Number of points as Q32, rounded towards 0.
+///
+/// Whole points and the rest are converted one by one, which takes a few instructions where one
+/// conversion to 64 bits is a call.
+fn steps_of(points: f32) -> Steps {
+    let size = points.abs();
+    let whole = size as u32;
+    let rest = ((size - whole as f32) * 4_294_967_296.0) as u32;
+    let steps = (i64::from(whole) << 32) | i64::from(rest);
+    if points < 0.0 { -steps } else { steps }
 }

@@ -35,5 +35,5 @@ const TERMS_BITS: u32 = 5;
 /// A product loses half on average, unless its weight is 0. The term of 1, in which outer rows count
 /// once and inner rows 23 times, loses 15.5 on top.
 const fn cell_rounding([_, mixed, _]: [i32; CURVATURES]) -> [i32; 2] {
-    if mixed == 0 { [-3, 1] } else { [-2, 2] }
+    if mixed == 0 { [0, 1] } else { [1, 2] }
 }
