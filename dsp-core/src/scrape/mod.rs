@@ -34,7 +34,6 @@ mod scale;
 mod scraper;
 mod slope;
 mod smoothing;
-mod spline;
 mod sum;
 mod tanh;
 mod walk;

@@ -1,11 +1,10 @@
 //! Rise of the path's slope in each frame, `∫ S'' dx`: the curvature of the surface, limited by
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
-use super::difference::Difference;
+use super::kernel::slope::{Mix, read_rises};
 use super::kernel::{self, Course, Limited};
 use super::path::{Pair, Segments, Steps};
 use super::plane::{HeadingEnd, Plane};
-use super::walk::Walk;
 use super::way::Way;
 use crate::fixed;
 use crate::table::Surface;
@@ -73,7 +72,8 @@ pub(super) struct Ends {
 enum Tick {
     Once(Limited),
     Twice(Limited),
-    Octave(usize, Difference),
+    /// Octave, first of two limits, and their mix.
+    Octave(usize, usize, Mix),
 }
 
 /// Work of a tick.
@@ -102,8 +102,6 @@ pub(super) struct Slope<'k> {
     place: Steps,
     /// Place on a map.
     plane: Option<Plane<'k>>,
-    /// Places of the block that is read.
-    walk: Walk,
     between: Between,
     /// Segments of the last block.
     pair: Pair,
@@ -115,16 +113,7 @@ impl<'k> Slope<'k> {
     /// Reader at rest; [`Slope::begin`] must follow.
     pub(super) const fn new(surface: Surface<'k>) -> Self {
         let segments = Segments::new(0, 0);
-        Self {
-            surface,
-            segments,
-            place: 0,
-            plane: None,
-            walk: Walk::new(),
-            between: Between::NONE,
-            pair: Pair::NONE,
-            work: Work::NONE,
-        }
+        Self { surface, segments, place: 0, plane: None, between: Between::NONE, pair: Pair::NONE, work: Work::NONE }
     }
 
     /// Begins to read a surface from place 0.
@@ -231,14 +220,12 @@ impl<'k> Slope<'k> {
                 }
                 kernel::limit_halves(limited, halves, rises);
             }
-            Tick::Octave(octave, difference) => {
+            Tick::Octave(octave, column, mix) => {
                 self.work.slopes += frames;
-                let (pair, is_second) = segment;
-                let points = self.surface.grid_points();
-                let place = self.segments.in_table(self.place + pair.offset(is_second)) >> *octave;
-                let [speed, step] = way.ends().map(|speed| speed >> *octave);
-                self.walk.go(place, [speed, step], points >> *octave, rises.len());
-                difference.render(&self.surface, place, &self.walk, rises);
+                let points = self.surface.grid_points() >> *octave;
+                let place = self.segments.in_table(self.place + segment.0.offset(segment.1)) >> *octave;
+                let strides = way.strides(place, *octave, points);
+                read_rises((self.surface.slopes(*octave), points, *column), strides, mix, rises);
             }
         }
     }
@@ -256,8 +243,7 @@ impl<'k> Slope<'k> {
             let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
             let first = shares.map(|s| (1.0 - s) * (1.0 + gain * s));
             let second = shares.map(|s| s * (1.0 + gain * (1.0 - s)));
-            let key = (octave, column);
-            return Tick::Octave(octave, Difference::new(&self.surface, key, [first, second], unit));
+            return Tick::Octave(octave, column, Mix::new(&self.surface, column, [first, second], unit));
         }
         let metres = self.surface.grid_step_m() / unit;
         let [from, to] = ends.steps;

@@ -1,6 +1,7 @@
 //! Way of a contact along an axis over a tick.
 
 use super::kernel::Course;
+use super::kernel::slope::Strides;
 use super::path::Steps;
 use crate::time::TICK_FRAMES;
 
@@ -62,6 +63,17 @@ impl Way {
         // is a step of half a frame less.
         let (half, step) = (first >> 1, self.step >> 2);
         Course { place: from + quarter - (half - step), speed: (half - 2 * step) as i32, step: step as i32 }
+    }
+
+    /// Strides over a table of `points` points, an octave of the grid's, from a place in it.
+    pub(super) fn strides(self, place: Steps, octave: usize, points: usize) -> Strides {
+        let [mut speed, step] = self.ends().map(|speed| speed >> octave);
+        let length = (points as i64) << 32;
+        if (speed + step).abs() >= length {
+            // A single frame that goes several times round, which makes no difference.
+            speed = (speed + step).checked_rem(length).unwrap_or(0) - step;
+        }
+        Strides { place, speed, step }
     }
 
     /// Speeds and steps for [`Walk::go`](super::walk::Walk::go).

@@ -6,6 +6,7 @@ pub(super) mod map;
 #[cfg(not(cortex_m4f))]
 mod portable;
 pub(super) mod roll;
+pub(super) mod slope;
 
 use super::ramp::Ramp;
 
