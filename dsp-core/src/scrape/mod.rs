@@ -38,6 +38,7 @@ mod sum;
 mod tanh;
 mod walk;
 mod way;
+mod work;
 
 pub use motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
 pub use path::SEGMENT_STEPS;

@@ -6,6 +6,7 @@ use super::path::{Pair, Segments, Steps, in_table};
 use super::ramp::{Ramp, fixed_from};
 use super::walk::Walk;
 use super::way::Way;
+use super::work::Work;
 use crate::table::layout::CURVATURES;
 use crate::table::{Map, Surface};
 use crate::time::TICK_FRAMES;
@@ -100,20 +101,22 @@ impl<'k> Plane<'k> {
     }
 
     /// Curvatures of the next frames in one of two segments, read in the middle of each frame.
-    pub(super) fn read(&mut self, segment: (&Segments, &Pair, bool), values: &mut [i32]) {
+    pub(super) fn read(&mut self, segment: (&Segments, &Pair, bool), work: &mut Work, values: &mut [i32]) {
         let begins = self.begins(segment);
-        if !self.read_cells(begins, Way::middles, values) {
+        if !self.read_cells(begins, Way::middles, work, values) {
+            work.places += values.len() as u32;
             self.walk(begins, 2, values);
         }
     }
 
     /// Curvatures of the next frames in one of two segments, read at a quarter and at three quarters
     /// of each frame.
-    pub(super) fn read_twice(&mut self, segment: (&Segments, &Pair, bool), halves: &mut [i32]) {
+    pub(super) fn read_twice(&mut self, segment: (&Segments, &Pair, bool), work: &mut Work, halves: &mut [i32]) {
         let begins = self.begins(segment);
-        if self.read_cells(begins, Way::quarters, halves) {
+        if self.read_cells(begins, Way::quarters, work, halves) {
             return;
         }
+        work.places += halves.len() as u32;
         let (mut first, mut second) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
         let frames = halves.len() / 2;
         self.walk(begins, 1, first.get_mut(..frames).unwrap_or(&mut []));
@@ -132,12 +135,20 @@ impl<'k> Plane<'k> {
 
     /// Reads along courses, cell by cell, if the contact goes straight and slowly; gives true if it
     /// does.
-    fn read_cells(&self, begins: [Steps; 2], course: fn(Way, Steps) -> Course, values: &mut [i32]) -> bool {
+    fn read_cells(
+        &self,
+        begins: [Steps; 2],
+        course: fn(Way, Steps) -> Course,
+        work: &mut Work,
+        values: &mut [i32],
+    ) -> bool {
         if !self.is_straight {
             return false;
         }
         let mut courses = [course(self.ways[0], begins[0]), course(self.ways[1], begins[1])];
+        work.curvatures += values.len() as u32;
         for (course, points) in courses.iter_mut().zip(self.points) {
+            work.add_way(course, values.len());
             course.place = in_table(course.place, points);
         }
         let weights = self.directions.map(|direction| direction.now() >> (30 - map::WEIGHT_BITS));

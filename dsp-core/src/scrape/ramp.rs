@@ -58,12 +58,13 @@ pub(super) fn exponent(number: f32) -> i32 {
     (number.to_bits() >> 23 & 255) as i32 - 127
 }
 
-/// Number as fixed point with `bits` fraction bits, -126 to 127, within ±(2^30 - 1).
+/// Number as fixed point with `bits` fraction bits, -126 to 127, within ±2^30.
 ///
 /// `as` saturates, and makes 0 of a number that is none.
 pub(super) fn fixed_from(value: f32, bits: i32) -> i32 {
-    let limit = (1 << 30) - 1;
-    ((value * power_of_two(bits)) as i32).clamp(-limit, limit)
+    let scale = f32::from_bits(((bits + 127) as u32) << 23);
+    // Written so that it becomes one SSAT.
+    ((value * scale) as i32).clamp(-(1 << 30), (1 << 30) - 1)
 }
 
 /// Power of two, exact, for exponents from -126 to 127.

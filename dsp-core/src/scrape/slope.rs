@@ -6,6 +6,7 @@ use super::kernel::{self, Course, Limited};
 use super::path::{Pair, Segments, Steps};
 use super::plane::{HeadingEnd, Plane};
 use super::way::Way;
+use super::work::Work;
 use crate::fixed;
 use crate::table::Surface;
 use crate::table::layout::OCTAVES;
@@ -74,24 +75,6 @@ enum Tick {
     Twice(Limited),
     /// Octave, first of two limits, and their mix.
     Octave(usize, usize, Mix),
-}
-
-/// Work of a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Work {
-    /// Blocks that were read, those of two segments twice.
-    pub(super) blocks: u32,
-    /// Frames of limited curvature, read from a profile or a map.
-    pub(super) curvatures: u32,
-    /// Frames of slope.
-    pub(super) slopes: u32,
-    /// Frames that were faded between two segments.
-    pub(super) fades: u32,
-}
-
-impl Work {
-    /// No work.
-    const NONE: Self = Self { blocks: 0, curvatures: 0, slopes: 0, fades: 0 };
 }
 
 /// Reader of a surface along a path.
@@ -199,24 +182,18 @@ impl<'k> Slope<'k> {
         self.work.blocks += 1;
         match tick {
             Tick::Once(limited) => {
-                self.work.curvatures += frames;
-                if let Some(plane) = &mut self.plane {
-                    plane.read((&self.segments, segment.0, segment.1), rises);
-                } else {
-                    let course = way.middles(self.place + segment.0.offset(segment.1));
-                    self.curvatures(course, rises);
+                match &mut self.plane {
+                    Some(plane) => plane.read((&self.segments, segment.0, segment.1), &mut self.work, rises),
+                    None => self.curvatures(way.middles(self.place + segment.0.offset(segment.1)), rises),
                 }
                 kernel::limit(limited, rises);
             }
             Tick::Twice(limited) => {
-                self.work.curvatures += 2 * frames;
                 let mut halves = [0; 2 * TICK_FRAMES];
                 let Some(halves) = halves.get_mut(..2 * rises.len()) else { return };
-                if let Some(plane) = &mut self.plane {
-                    plane.read_twice((&self.segments, segment.0, segment.1), halves);
-                } else {
-                    let course = way.quarters(self.place + segment.0.offset(segment.1));
-                    self.curvatures(course, halves);
+                match &mut self.plane {
+                    Some(plane) => plane.read_twice((&self.segments, segment.0, segment.1), &mut self.work, halves),
+                    None => self.curvatures(way.quarters(self.place + segment.0.offset(segment.1)), halves),
                 }
                 kernel::limit_halves(limited, halves, rises);
             }
@@ -231,7 +208,8 @@ impl<'k> Slope<'k> {
     }
 
     /// Curvatures along a course on a profile.
-    fn curvatures(&self, course: Course, values: &mut [i32]) {
+    fn curvatures(&mut self, course: Course, values: &mut [i32]) {
+        self.work.add_course(&course, values.len());
         let course = Course { place: self.segments.in_table(course.place), ..course };
         kernel::read(self.surface.curvature(), self.surface.grid_points(), course, values);
     }

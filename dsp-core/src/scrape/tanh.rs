@@ -19,7 +19,7 @@ pub(super) fn tanh(argument: i32) -> i32 {
     const HALF: i32 = PIECES as i32 / 2;
     let piece = (argument >> WITHIN_BITS).clamp(-HALF, HALF - 1) + HALF;
     let Piece { value, slope } = PIECE_TERMS[piece as usize % PIECES];
-    let within = argument as i16 as i32;
+    let within = i32::from(argument as i16);
     let slope = slope + i32::from(slope as i16) * within;
     value + ((i64::from(slope) * i64::from(within)) >> 16) as i32
 }

@@ -114,3 +114,84 @@ pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAM
         *frame = fixed::saturating_shift_left(sum >> adding.right, adding.left);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::super::super::ramp::Ramp;
+    use super::super::ONE;
+    use super::*;
+
+    /// Table of 16 points with its guard.
+    fn table(coefficient: impl Fn(usize) -> i16) -> Vec<I16> {
+        (0..16 + GUARD).map(|index| coefficient(index % 16).into()).collect()
+    }
+
+    fn exact(table: &[I16], place: f64) -> f64 {
+        let place = place.rem_euclid(16.0);
+        let (index, u) = (place as usize, place.fract());
+        let [a, b, c, d] = [0, 1, 2, 3].map(|point| f64::from(table[index + point].get()));
+        (a * (1.0 - u).powi(3)
+            + b * (3.0 * u.powi(3) - 6.0 * u * u + 4.0)
+            + c * (-3.0 * u.powi(3) + 3.0 * u * u + 3.0 * u + 1.0)
+            + d * u.powi(3))
+            / 6.0
+    }
+
+    #[test]
+    fn course_reads_the_spline_there_and_back_for_any_coefficients() {
+        let patterns: [fn(usize) -> i16; 5] = [
+            |_| i16::MIN,
+            |index| [i16::MIN, i16::MAX][index % 2],
+            |index| [i16::MIN, i16::MAX, i16::MAX, i16::MIN][index % 4],
+            |index| [i16::MAX, i16::MIN, i16::MIN, i16::MAX, 0][index % 5],
+            |index| (index * 7919 % 65_536) as u16 as i16,
+        ];
+        for table in patterns.map(table) {
+            for speed in [0x7fff_ffff, -0x8000_0000, 0x1234_5678, -0x0765_4321] {
+                let course = Course { place: 5 << 32 | 0x9abc_def0, speed, step: 0 };
+                let mut values = [0; 64];
+                read(&table, 16, course, &mut values);
+                for (count, value) in (1..).zip(values) {
+                    let place = (course.place as f64 + f64::from(count) * f64::from(speed)) / 2f64.powi(32);
+                    let error = f64::from(value) / f64::from(ONE) - exact(&table, place);
+                    assert!(error.abs() < 2e-4, "{place}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn mean_of_two_limited_values_is_that_of_two_frames() {
+        let limited = |factor| Limited { factor: Ramp::new([factor; 2]), rise: Ramp::new([1 << 30; 2]), less: -77 };
+        let mut halves: Vec<i32> = (0..64).map(|index| (index - 30) * 0x0200_0000).collect();
+        halves[0] = i32::MIN;
+        halves[1] = i32::MIN;
+        halves[62] = i32::MAX;
+        halves[63] = i32::MAX;
+        let (mut rises, mut values) = ([0; 32], halves.clone());
+        limit_halves(&mut limited((1 << 30) - 1), &halves, &mut rises);
+        limit(&mut limited((1 << 30) - 1), &mut values);
+        for (rise, halves) in rises.iter().zip(values.as_chunks::<2>().0) {
+            assert!((rise - (halves[0] / 2 + halves[1] / 2)).abs() < 3, "{rise} of {halves:?}");
+        }
+    }
+
+    #[test]
+    fn slope_stays_within_its_limits_for_any_rises() {
+        for rise in [i32::MIN, i32::MAX] {
+            let ramp = Ramp::new([1 << 30, -(1 << 30)]);
+            let (gain, less) = (1 << 29, i32::MIN);
+            let mut adding = Adding { slope: 0, gain, less, vertical: ramp, horizontal: ramp, right: 0, left: 31 };
+            let (mut frames, mut slopes) = ([rise; TICK_FRAMES], [0; TICK_FRAMES]);
+            for _ in 0..20 {
+                frames.fill(rise);
+                add_up(&mut adding, &mut frames, &mut slopes);
+                assert!(slopes.iter().all(|slope| (-(1 << 30)..1 << 30).contains(slope)));
+            }
+        }
+    }
+}

@@ -27,7 +27,7 @@ unsafe extern "C" {
 
 /// Turns the ball as [`super::portable::turn`] does, but leaves the turn as it was.
 ///
-/// Cost, counted from the code: 12 cycles a frame.
+/// Cost, counted from the code: 13 cycles a frame.
 pub(in super::super::super) fn turn(turning: &mut Turning, frames: &mut Frames) {
     // SAFETY: all frames of a tick are there.
     unsafe { malleus_scrape_turn(frames, turning) }

@@ -23,7 +23,8 @@ malleus_scrape_turn:
     add     r4, r4, r5
     add     r6, r6, r7
     smmlsr  r2, r3, r4, r2
-    smmlar  r3, r2, r6, r3
+    smmulr  lr, r2, r6
+    add     r3, r3, lr, lsl #1
     smmlsr  r2, r3, r4, r2
     add     r10, r10, r11
     smmul   r12, r3, r10

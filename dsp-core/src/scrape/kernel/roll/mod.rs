@@ -38,7 +38,7 @@ pub(in super::super) struct Turning {
     /// Cosine and sine of the turn, Q30.
     pub(in super::super) cosine: i32,
     pub(in super::super) sine: i32,
-    /// Tangent of half a frame's turn, and its sine, Q32.
+    /// Tangent of half a frame's turn, Q32, and the turn's sine, Q31: a turn is below 1/2.
     pub(in super::super) half: Ramp,
     pub(in super::super) whole: Ramp,
     /// Resting depth, and the offset as a multiple of a quarter of the depth's unit.

@@ -59,3 +59,37 @@ fn slopes(table: &[I16], column: usize, place: i64) -> [i32; 2] {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::super::super::super::ramp::Ramp;
+    use super::super::ONE;
+    use super::*;
+
+    #[test]
+    fn rises_are_differences_of_the_spline_for_any_coefficients() {
+        let table: Vec<I16> =
+            (0..(16 + GUARD) * LIMITS).map(|index| [i16::MIN, i16::MAX][index / LIMITS % 16 % 2].into()).collect();
+        for speed in [1_i64 << 32, -(3 << 31), 15 << 32] {
+            let strides = Strides { place: 3 << 32, speed, step: 0 };
+            let weights = [Ramp::new([1 << 30; 2]), Ramp::new([0; 2])];
+            let mut mix = Mix { weights, largest: (1 << 30) - 1, left: 0, right: 0 };
+            let mut rises = [0; 32];
+            read_rises((&table, 16, 1), strides, &mut mix, &mut rises);
+            for (frame, rise) in (0..).zip(rises) {
+                // At whole points the spline is -1/3 or 1/3, between them 0.
+                let value = |frame: i64| {
+                    let halves = (3 << 1) + frame * (speed >> 31);
+                    [10_923.0, 0.0, -10_923.0, 0.0][halves.rem_euclid(4) as usize]
+                        + if halves % 2 == 0 { -1.0 / 3.0 } else { -0.5 }
+                };
+                let exact = 0.25 * f64::from(ONE) * (value(frame + 1) - value(frame));
+                assert!((f64::from(rise) - exact).abs() < 0.3 * f64::from(ONE), "{frame}: {rise}, {exact}");
+            }
+        }
+    }
+}
