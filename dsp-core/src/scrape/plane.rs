@@ -109,8 +109,8 @@ impl<'k> Plane<'k> {
         }
     }
 
-    /// Curvatures of the next frames in one of two segments, read at a quarter and at three quarters
-    /// of each frame.
+    /// Curvatures of the next frames in one of two segments, read at a quarter and at three
+    /// quarters of each frame.
     pub(super) fn read_twice(&mut self, segment: (&Segments, &Pair, bool), work: &mut Work, halves: &mut [i32]) {
         let begins = self.begins(segment);
         if self.read_cells(begins, Way::quarters, work, halves) {

@@ -68,8 +68,8 @@ pub(super) struct Roll {
 }
 
 /// Ratio of the highest speed to that of lower speeds: above, slopes are taken as so many times as
-/// large, and saturated. They are nowhere near their limit, a unit in which a path would rise for
-/// ten of its shortest waves.
+/// large, and saturated. They are nowhere near their limit, which is that of a path that bends one way all
+/// along ten of its shortest waves.
 const SPEEDS: f32 = 4.0;
 const SPEED_BITS: u32 = 2;
 
@@ -95,7 +95,8 @@ impl Roll {
         let rest_m = if weight_n > 0.0 { depth(weight_n) } else { 0.0 };
         let largest_m = 2.0 * (rest_m + ball.offset_m + units.height_m);
         // A slope of one unit has 28 bits, a height 32 more than a depth: what the path rises in a
-        // frame at the highest of lower speeds has 30. An even number, so that its power 1.5 is one of bits.
+        // frame at the highest of lower speeds has 30. An even number, so that its power 1.5 is one
+        // of bits.
         let steepest = MAX_SPEED_M_PER_S / SPEEDS * units.slope / (units.rate.hz_f32() * largest_m);
         let bits = 28.min(28 - 2 * ((exponent(steepest) + 4) >> 1)).max(2);
         // Full depth is 2^32 in depth's bits.
@@ -139,8 +140,8 @@ impl Roll {
     }
 
     /// Adds the ball's force over a tick, Q27, to that of the frames, whose slopes are given. The
-    /// speeds at the tick's ends are in m/s; `less` is the share of the height, Q32, that is lost in
-    /// a frame, with its sign.
+    /// speeds at the tick's ends are in m/s; `less` is the share of the height, Q32, that is lost
+    /// in a frame, with its sign.
     pub(super) fn render(&mut self, speeds: [f32; 2], less: i32, frames: &mut Frames, force: &mut [i32; TICK_FRAMES]) {
         let frame_s = 1.0 / self.units.rate.hz_f32();
         let mut unit = self.units.slope;

@@ -123,12 +123,12 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 ///
 /// Accuracy against the `f64` reference (`cargo test -p host-tests --test scrape -- --nocapture`):
 ///
-/// - scrapes at 0.05 to 2 m/s: at least 110 dB; rolls: 106 dB;
-/// - on maps: 114 dB, at speeds of up to an eighth of the shortest wave a frame.
+/// - scrapes at 0.05 to 2 m/s: at least 113 dB; rolls: 109 dB;
+/// - on maps: 113 dB, at speeds of up to an eighth of the shortest wave a frame.
 ///
 /// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
-/// -- --nocapture`): 270 at 0.2 m/s, 400 at 0.9 m/s, 364 at 2 m/s; a ball 665; on a map of a
-/// shortest wave of 62 µm 553 at 0.2 m/s, 936 at 0.35 m/s; at rest 8.
+/// -- --nocapture`): 177 at 0.2 m/s, 240 at 0.9 m/s, 249 at 2 m/s; a ball 286; on a map of a
+/// shortest wave of 62 µm 389 at 0.2 m/s, 590 at 0.35 m/s; at rest 8.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,

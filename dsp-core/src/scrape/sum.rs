@@ -71,9 +71,9 @@ impl Sum {
         }
     }
 
-    /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated, and gives the
-    /// slope in each frame. `speeds` are those at the ends of the tick as shares of the highest one,
-    /// Q30.
+    /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated, and gives
+    /// the slope in each frame. `speeds` are those at the ends of the tick as shares of the highest
+    /// one, Q30.
     pub(super) fn render(
         &mut self,
         weights: Weights,

@@ -11,8 +11,8 @@
     .fpu fpv4-sp-d16
     .section .text.malleus_scrape,"ax",%progbits
 
-@ The coefficients a to d of a course's interval, two in a word, as terms of 1, t, t^2 and t^3 of the
-@ way t from its middle: 512 (a + 23 b + 23 c + d), 3072 (d - a + 5 (c - b)),
+@ The coefficients a to d of a course's interval, two in a word, as terms of 1, t, t^2 and t^3 of
+@ the way t from its middle: 512 (a + 23 b + 23 c + d), 3072 (d - a + 5 (c - b)),
 @ 6144 (a - b - c + d), and 4096 (d - a + 3 (b - c)).
     .macro course_terms
     ldr     r10, [r3]

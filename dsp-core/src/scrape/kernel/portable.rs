@@ -96,8 +96,8 @@ fn accumulated(sums: [i32; OUTPUTS], tap: i32, window: [i32; OUTPUTS]) -> [i32; 
     [0, 1, 2, 3].map(|n| fixed::smmlar(sums[n], window[n], tap))
 }
 
-/// Turns rises into force, and gives the slope in each frame: see [`Adding`]. The slope stays within
-/// ±2^30 in its high word.
+/// Turns rises into force, and gives the slope in each frame: see [`Adding`]. The slope stays
+/// within ±2^30 in its high word.
 pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES], slopes: &mut [i32; TICK_FRAMES]) {
     let high = |slope: i64| (slope >> 32) as i32;
     for (frame, path) in frames.iter_mut().zip(slopes) {

@@ -66,7 +66,7 @@ const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
 /// Reads the curvature of a map in a direction that stays the same, along one course along its rows
 /// and one across them. `weights` are c², c s and s², Q24.
 ///
-/// What depends on the cell alone is computed where a course comes into one.
+/// Terms that depend on the cell alone are derived where a course comes into one.
 pub(in super::super::super) fn read_cells(
     map: &Map<'_>,
     courses: [Course; 2],

@@ -1,4 +1,5 @@
-@ Readings of the slope for a Cortex-M4F: malleus_scrape_read_rises(strides, mix, rises, end, table).
+@ Readings of the slope for a Cortex-M4F:
+@ malleus_scrape_read_rises(strides, mix, rises, end, octave).
 @
 @ The bits are those of portable.rs.
 
