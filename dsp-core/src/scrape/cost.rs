@@ -1,42 +1,54 @@
 //! Cost of a contact, for the budget.
 //!
 //! Cycles are nominal: the waits of flash are left out, the engine's own work for a contact is in.
-//! The constants were fitted to 2 000 ticks on the virtual core, with seven contacts at 0 to
-//! 2.5 m/s. The mean over a contact is right to 1 %, a single tick to 2.5 % rms. Predicted and
-//! modelled cycles of four scenes with scraping are printed by
+//! The constants were fitted to 8 000 ticks on the virtual core, built for size as the engine is,
+//! with twelve contacts at speeds of up to 0.1 to 2.5 m/s: the mean over a contact is right to
+//! 2.5 %, a single tick to 5 % rms. Some 3 700 of a tick's cycles are the engine's own. Predicted
+//! and modelled cycles of four scenes with scraping are printed by
 //! `cargo test -p host-tests --test on_chip the_cost_of_the_scenes -- --nocapture`.
 
 use super::scraper::{Contact, Scraper};
-use super::slope::Work;
+use super::work::Work;
 
-/// Cycles of a touch, and of each table of powers that it makes.
-const TOUCH: u32 = 12_500;
+/// Cycles of a touch, and on top of a ball's, and of one that makes a table of powers.
+const TOUCH: u32 = 15_000;
+const TOUCH_ROLL: u32 = 11_000;
 const TOUCH_POWERS: u32 = 25_000;
 /// Cycles of a tick that something moves in, beside what follows, and of a map on top.
-const TICK: u32 = 7_430;
-const MAP: u32 = 3_350;
+const TICK: u32 = 6_390;
+const MAP: u32 = 2_970;
 /// Cycles of a block of a profile or a map.
-const BLOCK: [u32; 2] = [707, 992];
-/// Cycles of a frame of curvature on a profile or a map.
-const CURVATURE: [u32; 2] = [111, 316];
+const BLOCK: [u32; 2] = [810, 2_490];
+/// Cycles of a value of curvature on a profile or a map, where it is read along a course.
+const CURVATURE: [u32; 2] = [39, 109];
+/// Cycles of a sixteenth of a point of such a course on a profile or a map.
+const SIXTEENTH: [u32; 2] = [2, 12];
+/// Cycles of a value of a map that is read place by place.
+const PLACE: u32 = 295;
 /// Cycles of a frame of slope.
-const SLOPE: u32 = 195;
+const SLOPE: u32 = 115;
 /// Cycles of a frame that is faded.
-const FADE: u32 = 40;
-/// Cycles of a tap that is derived, and of one that the tick is filtered with.
-const NEW_TAP: u32 = 56;
-const TAP: u32 = 47;
+const FADE: u32 = 35;
+/// Cycles of taps that are derived, of each of them, and of one that the tick is filtered with.
+const NEW_TAPS: u32 = 390;
+const NEW_TAP: u32 = 20;
+const TAP: u32 = 54;
 /// Cycles of a tick of a ball.
-const ROLL: u32 = 15_100;
+const ROLL: u32 = 4_020;
 /// Cycles of a tick of a slope's power.
 const POWERS: u32 = 3_000;
 /// Dearest tick without the extras, on a profile or a map.
-const DEAREST: [u32; 2] = [27_000, 58_000];
+const DEAREST: [u32; 2] = [21_000, 63_000];
+
+/// Cycles of what there may be.
+fn of(is: bool, cycles: u32) -> u32 {
+    if is { cycles } else { 0 }
+}
 
 impl Contact<'_> {
     /// Nominal cycles of its touch.
     pub(crate) fn touch_cycles(&self) -> u32 {
-        TOUCH + TOUCH_POWERS * (u32::from(self.rolling.is_some()) + u32::from(self.has_powers()))
+        TOUCH + of(self.rolling.is_some(), TOUCH_ROLL) + of(self.has_powers(), TOUCH_POWERS)
     }
 
     /// Nominal cycles of its dearest tick.
@@ -47,7 +59,6 @@ impl Contact<'_> {
 
     /// Cycles of ball, power and map in a tick.
     fn extras(&self) -> u32 {
-        let of = |is: bool, cycles: u32| if is { cycles } else { 0 };
         of(self.rolling.is_some(), ROLL) + of(self.has_powers(), POWERS) + of(self.is_on_map(), MAP)
     }
 
@@ -63,10 +74,12 @@ impl Contact<'_> {
 impl Scraper<'_> {
     /// Nominal cycles that the last tick took, in which something moved.
     pub fn cycles(&self) -> u32 {
-        let (Work { blocks, curvatures, slopes, fades }, [new_taps, taps]) = self.work();
+        let (Work { blocks, curvatures, places, sixteenths, slopes, fades }, [new_taps, taps]) = self.work();
         let contact = self.contact();
         let on = |[profile, map]: [u32; 2]| if contact.is_on_map() { map } else { profile };
-        let read = blocks * on(BLOCK) + curvatures * on(CURVATURE) + slopes * SLOPE + fades * FADE;
-        TICK + read + new_taps * NEW_TAP + taps * TAP + contact.extras()
+        let read = blocks * on(BLOCK) + curvatures * on(CURVATURE) + sixteenths * on(SIXTEENTH);
+        let read = read + places * PLACE + slopes * SLOPE + fades * FADE;
+        let derived = if new_taps == 0 { 0 } else { NEW_TAPS + new_taps * NEW_TAP };
+        TICK + read + derived + taps * TAP + contact.extras()
     }
 }

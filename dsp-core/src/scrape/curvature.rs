@@ -1,8 +1,8 @@
 //! Limited curvature, read from the surface frame by frame.
 
-use super::kernel::{Limited, MAP_ONE};
+use super::kernel::map::MAP_ONE;
+use super::kernel::{Limited, ONE};
 use super::ramp::{Ramp, fixed_from};
-use super::spline;
 use super::tanh::ARGUMENT_BITS;
 use crate::table::Surface;
 
@@ -10,7 +10,7 @@ impl Limited {
     /// Prepares a tick with limits α in metres, and with the largest rise of a frame at its ends
     /// and the mean one, in units.
     pub(super) fn new(surface: &Surface<'_>, alpha_m: [f32; 2], rise: [f32; 2], mean: f32) -> Self {
-        let one = if surface.rows() > 1 { MAP_ONE } else { spline::ONE };
+        let one = if surface.rows() > 1 { MAP_ONE } else { ONE };
         let unit = surface.curvature_unit_per_m() * (1.0 / one as f32);
         // The product's high word has the argument's bits. A larger factor than 2^30 stands for
         // arguments of which all but the smallest are beyond the end of tanh.
@@ -18,7 +18,7 @@ impl Limited {
         Self {
             factor: Ramp::new(factor),
             rise: Ramp::new(rise.map(|rise| fixed_from(rise, 32))),
-            mean: fixed_from(mean, 31),
+            less: fixed_from(-mean, 31),
         }
     }
 }

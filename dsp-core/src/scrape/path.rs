@@ -68,10 +68,14 @@ impl Segments {
         frames
     }
 
-    /// The two segments between which the boundary nearest to a place lies.
-    pub(super) fn nearest(&self, place: Steps) -> Pair {
+    /// The two segments between which the boundary nearest to a place lies; `before` is a pair of
+    /// the same path.
+    pub(super) fn nearest(&self, place: Steps, before: &Pair) -> Pair {
         let bits = 32 + self.bits;
         let second = (place + (1 << (bits - 1))) >> bits;
+        if second == before.second {
+            return *before;
+        }
         Pair {
             offsets: [self.offset(second - 1), self.offset(second)],
             second,
@@ -136,6 +140,9 @@ const fn remainder(place: Steps, length: Steps) -> Steps {
 }
 
 impl Pair {
+    /// Pair of no path.
+    pub(super) const NONE: Self = Self { offsets: [0; 2], second: Steps::MAX, boundary: 0, fade: 0, shift: 0 };
+
     /// Offset of the second segment or of the first.
     pub(super) const fn offset(&self, is_second: bool) -> Steps {
         let [first, second] = self.offsets;

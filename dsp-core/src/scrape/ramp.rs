@@ -22,6 +22,11 @@ impl Ramp {
         self.value = self.value.wrapping_add(self.step.wrapping_mul(frames as i32));
     }
 
+    /// Value at the end of the last frame.
+    pub(super) const fn now(self) -> i32 {
+        self.value
+    }
+
     /// Gives the value at the end of the next frame.
     #[inline(always)]
     pub(super) const fn next(&mut self) -> i32 {
@@ -53,13 +58,13 @@ pub(super) fn exponent(number: f32) -> i32 {
     (number.to_bits() >> 23 & 255) as i32 - 127
 }
 
-/// Number as fixed point with `bits` fraction bits, within ±(2^30 - 1).
+/// Number as fixed point with `bits` fraction bits, -126 to 127, within ±2^30.
 ///
 /// `as` saturates, and makes 0 of a number that is none.
 pub(super) fn fixed_from(value: f32, bits: i32) -> i32 {
-    let limit = (1 << 30) - 1;
-    let half = bits / 2;
-    ((value * power_of_two(half) * power_of_two(bits - half)) as i32).clamp(-limit, limit)
+    let scale = f32::from_bits(((bits + 127) as u32) << 23);
+    // Written so that it becomes one SSAT.
+    ((value * scale) as i32).clamp(-(1 << 30), (1 << 30) - 1)
 }
 
 /// Power of two, exact, for exponents from -126 to 127.

@@ -5,9 +5,9 @@
 //! changes below 20 Hz, the weight and its slow shifts from side to side, moves the object as a
 //! whole and is left out: a ball at rest is silent.
 
-use super::power::Powers;
-use super::ramp::{Normal, Ramp, fixed_from, power_of_two};
-use super::scale::Gain;
+use super::kernel::roll::{self as kernel, Frames, Pressing, Sinking, Turning};
+use super::motion::MAX_SPEED_M_PER_S;
+use super::ramp::{Normal, Ramp, exponent, fixed_from, power_of_two};
 use crate::SampleRate;
 use crate::exponential;
 use crate::fixed;
@@ -42,9 +42,6 @@ impl Rolling {
     }
 }
 
-/// Largest depth, Q30.
-const LARGEST: i32 = (1 << 30) - 1;
-
 /// State of a ball.
 #[derive(Clone, Debug)]
 pub(super) struct Roll {
@@ -52,19 +49,29 @@ pub(super) struct Roll {
     units: Units,
     /// Turn of the ball, 2^48 = once round.
     turn: i64,
-    powers: Powers,
-    /// Largest depth that is rendered, in metres.
+    /// Largest depth that is rendered, in metres, but for the path's height.
     largest_m: f32,
-    /// Resting depth and offset, Q30 of the largest depth.
+    /// Fraction bits of a depth, as a share of the largest.
+    bits: i32,
+    /// Resting depth, and offset with 2 bits more.
     rest: i32,
     offset: i32,
-    /// Height of the path, Q62 of the largest depth.
+    /// Height of the path, with 32 bits more.
     height: i64,
-    force: Gain,
+    /// Stiffness: its mantissa, and the bits that the product of full depth and mantissa has too
+    /// many.
+    stiffness: i32,
+    right: i32,
     /// Force below [`LOWEST_HZ`], Q59 of the force bus, and its share of a frame's force, Q32.
     slow: i64,
     share: i32,
 }
+
+/// Ratio of the highest speed to that of lower speeds: above, slopes are taken as so many times as
+/// large, and saturated. They are nowhere near their limit, which is that of a path that bends one way all
+/// along ten of its shortest waves.
+const SPEEDS: f32 = 4.0;
+const SPEED_BITS: u32 = 2;
 
 /// Lowest frequency of the force in hertz.
 const LOWEST_HZ: f32 = 20.0;
@@ -81,46 +88,42 @@ pub(super) struct Units {
     pub(super) rate: SampleRate,
 }
 
-/// Numbers that stay the same, or go in straight lines, over a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rolled {
-    /// Turn in a frame and its step from frame to frame, 2^48 = once round.
-    turn: [i64; 2],
-    /// From the slope to the height's rise, and the shift of the product to the left, or to the
-    /// right.
-    rise: Ramp,
-    rise_left: u32,
-    rise_right: u32,
-    /// From slope and sine to `λ/k ρ'`, with the shift of their sum.
-    slope_rate: Ramp,
-    turn_rate: Ramp,
-    left: u32,
-    right: u32,
-    less: i32,
-}
-
 impl Roll {
     /// Ball that carries `weight_n` at rest.
     pub(super) fn new(ball: Rolling, weight_n: f32, units: Units) -> Self {
         let depth = |force_n: f32| exponential::power(f64::from(force_n / ball.stiffness), 2.0 / 3.0) as f32;
         let rest_m = if weight_n > 0.0 { depth(weight_n) } else { 0.0 };
         let largest_m = 2.0 * (rest_m + ball.offset_m + units.height_m);
+        // A slope of one unit has 28 bits, a height 32 more than a depth: what the path rises in a
+        // frame at the highest of lower speeds has 30. An even number, so that its power 1.5 is one
+        // of bits.
+        let steepest = MAX_SPEED_M_PER_S / SPEEDS * units.slope / (units.rate.hz_f32() * largest_m);
+        let bits = 28.min(28 - 2 * ((exponent(steepest) + 4) >> 1)).max(2);
+        // Full depth is 2^32 in depth's bits.
         let root = crate::square_root::rounded_root(largest_m);
+        let turned = exponent_of_1_5(32 - bits);
+        let (stiffness, right) = mantissa(ball.stiffness * largest_m * root / units.force_n, turned + 27);
         let turns = core::f32::consts::TAU * LOWEST_HZ / units.rate.hz_f32();
         let mut roll = Self {
             ball,
             units,
             turn: 0,
-            powers: Powers::new(1.5),
             largest_m,
-            rest: fixed_from(rest_m / largest_m, 30),
-            offset: fixed_from(ball.offset_m / largest_m, 30),
+            bits,
+            rest: fixed_from(rest_m / largest_m, bits),
+            offset: fixed_from(ball.offset_m / largest_m, bits + 2),
             height: 0,
-            force: Gain::new(ball.stiffness * largest_m * root / units.force_n, 27),
+            stiffness,
+            right,
             slow: 0,
             share: fixed_from(turns, 32),
         };
-        roll.slow = i64::from(roll.spring(roll.rest)) << 32;
+        // What a ball presses at rest is left out from the begin, to the last bit.
+        let (mut frames, mut force) = (Frames::NONE, [0; TICK_FRAMES]);
+        (frames.depths, frames.factors) = ([roll.rest; TICK_FRAMES], [1 << 29; TICK_FRAMES]);
+        let mut pressing = Pressing { slow: 0, stiffness, share: 0, right: roll.right + 29 - 32 };
+        kernel::press(&mut pressing, &frames, &mut force);
+        roll.slow = i64::from(force[0]) << 32;
         roll
     }
 
@@ -136,65 +139,80 @@ impl Roll {
         [1.0 - self.ball.modulation, 1.0 + self.ball.modulation]
     }
 
-    /// Prepares a tick with the speeds at its ends in m/s, and the share of the height, Q32, that
-    /// is lost in a frame, with its sign.
-    pub(super) fn prepared(&self, speeds: [f32; 2], less: i32) -> Rolled {
+    /// Adds the ball's force over a tick, Q27, to that of the frames, whose slopes are given. The
+    /// speeds at the tick's ends are in m/s; `less` is the share of the height, Q32, that is lost
+    /// in a frame, with its sign.
+    pub(super) fn render(&mut self, speeds: [f32; 2], less: i32, frames: &mut Frames, force: &mut [i32; TICK_FRAMES]) {
         let frame_s = 1.0 / self.units.rate.hz_f32();
+        let mut unit = self.units.slope;
+        if speeds.iter().any(|speed| speed.abs() > MAX_SPEED_M_PER_S / SPEEDS) {
+            unit *= 1.0 / SPEEDS;
+            frames.slopes.iter_mut().for_each(|slope| *slope = fixed::saturating_shift_left(*slope, SPEED_BITS));
+        }
+        let radians = speeds.map(|speed| speed * frame_s / self.ball.radius_m);
+        // The high word of a slope of 28 bits and a gain of n bits has n - 4, that of a sine of 30
+        // bits n - 2.
+        let damping = self.ball.dissipation / self.ball.stiffness;
+        let slope_rate = speeds.map(|speed| damping * speed * unit);
+        let turn_rate = speeds.map(|speed| damping * speed * self.ball.offset_m / self.ball.radius_m);
+        let bits = Normal::new(slope_rate, 33).bits.min(Normal::new(turn_rate, 31).bits + 2).max(4);
+        let at = (self.turn >> 16) as u32;
+        let mut turning = Turning {
+            cosine: sine_at(at.wrapping_add(1 << 30)) >> 1,
+            sine: sine_at(at) >> 1,
+            half: Ramp::new(radians.map(|turn| fixed_from(tangent_of_half(turn), 32))),
+            whole: Ramp::new(radians.map(|turn| fixed_from(sine_of(turn), 31))),
+            rest: self.rest,
+            offset: self.offset,
+            rate: Ramp::new(turn_rate.map(|rate| fixed_from(rate, bits - 2))),
+        };
+        kernel::turn(&mut turning, frames);
+        let rise = speeds.map(|speed| speed * unit * frame_s / self.largest_m);
+        let mut sinking = Sinking {
+            height: self.height,
+            rise: Ramp::new(rise.map(|rise| fixed_from(rise, self.bits + 4))),
+            less,
+            rate: Ramp::new(slope_rate.map(|rate| fixed_from(rate, bits))),
+            one: 1 << (bits - 4),
+        };
+        kernel::sink(&mut sinking, frames);
+        self.height = sinking.height;
+        // The factor's bits less those that its product loses.
+        let right = self.right + bits - 4 - 32;
+        let mut pressing = Pressing { slow: self.slow, stiffness: self.stiffness, share: self.share, right };
+        kernel::press(&mut pressing, frames, force);
+        self.slow = pressing.slow;
         let turn_a_frame = frame_s / (core::f32::consts::TAU * self.ball.radius_m);
         let [from, to] = speeds.map(|speed| (speed * turn_a_frame * power_of_two(48)) as i64);
-        // The high word of a slope of 28 bits and a gain of n bits has n - 4, that of a sine n - 1.
-        let rise = Normal::new(speeds.map(|speed| speed * self.units.slope * frame_s / self.largest_m), 60);
-        let damping = self.ball.dissipation / self.ball.stiffness;
-        let slope_rate = speeds.map(|speed| damping * speed * self.units.slope);
-        let turn_rate = speeds.map(|speed| damping * speed * self.ball.offset_m / self.ball.radius_m);
-        let bits = Normal::new(slope_rate, 60).bits.min(Normal::new(turn_rate, 60).bits + 3).max(0);
-        let left = 27 - (bits - 4);
-        Rolled {
-            turn: [from, (to - from) / TICK_FRAMES as i64],
-            rise: Ramp::new(rise.values),
-            rise_left: (34 - rise.bits).clamp(0, 31) as u32,
-            rise_right: (rise.bits - 34).clamp(0, 31) as u32,
-            slope_rate: Ramp::new(slope_rate.map(|rate| fixed_from(rate, bits))),
-            turn_rate: Ramp::new(turn_rate.map(|rate| fixed_from(rate, bits - 3))),
-            left: left.clamp(0, 31) as u32,
-            right: (-left).clamp(0, 31) as u32,
-            less,
-        }
+        let (frames, step) = (TICK_FRAMES as i64, (to - from) / TICK_FRAMES as i64);
+        self.turn = self.turn.wrapping_add(from * frames + step * (frames * (frames + 1) / 2));
     }
+}
 
-    /// Force of the next frame, Q27, for the path's slope, Q28 of its unit.
-    #[inline(always)]
-    pub(super) fn next(&mut self, tick: &mut Rolled, slope: i32) -> i32 {
-        tick.turn[0] += tick.turn[1];
-        self.turn = self.turn.wrapping_add(tick.turn[0]);
-        let turn = (self.turn >> 16) as u32;
-        let product = i64::from(slope) * i64::from(tick.rise.next());
-        let rise = match tick.rise_left {
-            0 => product >> tick.rise_right,
-            left => {
-                i64::from(fixed::saturating_shift_left((product >> 32) as i32, left).clamp(-LARGEST, LARGEST)) << 32
-            }
-        };
-        // Each is below 2^62.
-        let height = self.height + i64::from((self.height >> 32) as i32) * i64::from(tick.less) + rise;
-        let high = ((height >> 32) as i32).clamp(-LARGEST - 1, LARGEST);
-        self.height = (i64::from(high) << 32) | (height & i64::from(u32::MAX));
-        let depth = self.rest - fixed::times_q31(self.offset, sine_at(turn.wrapping_add(1 << 30))) + high;
-        let spring = self.spring(depth.clamp(0, LARGEST));
-        let rate = fixed::smmul(slope, tick.slope_rate.next()) + fixed::smmul(sine_at(turn), tick.turn_rate.next());
-        // The ball does not pull: the factor 1 + λ/k ρ' is 0 at least.
-        let factor = fixed::qadd(fixed::saturating_shift_left(rate >> tick.right, tick.left), 1 << 27).max(0);
-        let force = fixed::saturate((i64::from(spring) * i64::from(factor)) >> 27);
-        let fast = fixed::qsub(force, (self.slow >> 32) as i32);
-        self.slow += i64::from(fast) * i64::from(self.share);
-        fast
-    }
+/// Tangent of half a turn, and the turn's sine, to 1e-6 for turns of up to 0.42 radians: 10 m/s of
+/// the smallest ball.
+fn tangent_of_half(turn: f32) -> f32 {
+    let square = turn * turn;
+    0.5 * turn * (1.0 + square * (1.0 / 12.0 + square * (1.0 / 120.0)))
+}
 
-    /// Force of a depth, Q27.
-    #[inline(always)]
-    fn spring(&self, depth: i32) -> i32 {
-        self.force.apply_to(self.powers.of((depth as u64) << 33))
-    }
+fn sine_of(turn: f32) -> f32 {
+    let square = turn * turn;
+    turn * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
+}
+
+/// Exponent of 2^(1.5 n) for an even n.
+const fn exponent_of_1_5(even: i32) -> i32 {
+    even + even / 2
+}
+
+/// Gain times 2^bits as the product of a number of 31 bits and a mantissa, 2^29 to 2^30, whose high
+/// word has so many bits too many.
+fn mantissa(gain: f32, bits: i32) -> (i32, i32) {
+    let size = exponent(gain);
+    // A gain of 0 is a mantissa of 0.
+    let mantissa = fixed_from(gain, 29 - size);
+    (mantissa, 29 - size - bits - 1)
 }
 
 /// Sine of a turn, 2^32 = once round, as Q31. The error is at most 6e-8.

@@ -1,18 +1,21 @@
 //! Force of one contact that goes on: `f = m S'' v² + β1 |v S'|^β2` (scraping-rolling eq. 1 to 7),
 //! and that of a ball with it (eq. 19).
 
+use super::kernel::roll::Frames;
+use super::limit::Limits;
 use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
 use super::plane::{HeadingEnd, weights_of};
 use super::power::Powers;
 use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
 use super::roll::{Roll, Rolling, Units};
 use super::scale::Gain;
-use super::slope::{Ends, Reading, Slope, Work};
+use super::slope::{Ends, Reading, Slope};
 use super::smoothing::{Smoothing, deviation_of};
 use super::sum::Sum;
+use super::work::Work;
 use crate::SampleRate;
 use crate::exponential;
-use crate::fixed::{self, Log2};
+use crate::fixed;
 use crate::table::layout::{ObjectSurfaceRecord, RollRecord, ScrapeRecord};
 use crate::table::{Kit, Pad, Surface};
 use crate::time::TICK_FRAMES;
@@ -120,12 +123,12 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 ///
 /// Accuracy against the `f64` reference (`cargo test -p host-tests --test scrape -- --nocapture`):
 ///
-/// - scrapes at 0.05 to 2 m/s: at least 110 dB; rolls: 106 dB;
-/// - on maps: 114 dB, at speeds of up to an eighth of the shortest wave a frame.
+/// - scrapes at 0.05 to 2 m/s: at least 113 dB; rolls: 109 dB;
+/// - on maps: 113 dB, at speeds of up to an eighth of the shortest wave a frame.
 ///
 /// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
-/// -- --nocapture`): 270 at 0.2 m/s, 400 at 0.9 m/s, 364 at 2 m/s; a ball 665; on a map of a
-/// shortest wave of 62 µm 553 at 0.2 m/s, 936 at 0.35 m/s; at rest 8.
+/// -- --nocapture`): 177 at 0.2 m/s, 240 at 0.9 m/s, 249 at 2 m/s; a ball 286; on a map of a
+/// shortest wave of 62 µm 389 at 0.2 m/s, 590 at 0.35 m/s; at rest 8.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,
@@ -143,6 +146,9 @@ pub struct Scraper<'k> {
     speeds: [f32; 4],
     /// Motion over the plane at the end of the last tick, which maps need.
     heading_end: HeadingEnd,
+    limits: Limits,
+    /// Standard deviation of the smoothing in frames for the sum of two limits.
+    smoothing_per_m: f32,
     alpha_m: f32,
     normal_n: f32,
     /// From m/s to points of the grid a frame: along a profile or the rows of a map, and across.
@@ -167,6 +173,8 @@ impl<'k> Scraper<'k> {
             heading_end: HeadingEnd::default(),
             is_backwards: false,
             speeds: [0.0; 4],
+            limits: Limits::new([0.0; 2], [0.0; 2], 1.0),
+            smoothing_per_m: 0.0,
             alpha_m: 0.0,
             normal_n: 0.0,
             steps: [0.0; 2],
@@ -183,7 +191,8 @@ impl<'k> Scraper<'k> {
         let [least_m, most_m] = contact.alpha_m;
         // Four times the largest rise of a frame: the limit of the curvature over the longest way.
         let unit = LARGEST_RISES * MAX_SPEED_M_PER_S / (rate.hz_f32() * least_m);
-        let widest = deviation_of(contact.smoothing_s * most_m / (0.5 * (least_m + most_m)), rate);
+        self.smoothing_per_m = contact.smoothing_s * rate.hz_f32() / (least_m + most_m);
+        let widest = deviation_of(self.smoothing_per_m * 2.0 * most_m);
         let [slope_gain, slope_exponent] = contact.slope;
         let force_n = contact.reference_force_n;
         let other = (slope_exponent != 1.0).then(|| {
@@ -203,9 +212,12 @@ impl<'k> Scraper<'k> {
         self.slope.begin(surface, contact.seed.wrapping_mul(0x9e37_79b9));
         self.smoothing.begin(widest);
         self.roll = contact.rolling.map(|ball| Roll::new(ball, 0.5 * (least_n + most_n), units));
+        let shares = self.roll.as_ref().map_or([1.0; 2], Roll::normal_shares);
+        let range_n = [least_n * shares[0], most_n * shares[1]];
+        self.limits = Limits::new(contact.alpha_m, range_n, contact.alpha_exponent);
         (self.contact, self.unit) = (contact, unit);
         (self.heading, self.heading_end, self.is_backwards) = ([0.0; 2], HeadingEnd::default(), false);
-        (self.speeds, self.alpha_m, self.normal_n) = ([0.0; 4], 0.5 * (least_m + most_m), 0.0);
+        (self.speeds, self.alpha_m, self.normal_n) = ([0.0; 4], self.limits.mean_m(), 0.0);
         self.steps = [surface.grid_step_m(), surface.map().map_or(1.0, |map| map.row_step_m())]
             .map(|step_m| 1.0 / (step_m * rate.hz_f32()));
         (self.gate, self.is_first) = (0, true);
@@ -266,19 +278,18 @@ impl<'k> Scraper<'k> {
         self.normal_n = motion.normal_n.max(0.0) * share;
         let is_resting = speed == 0.0 && before == 0.0;
         let target = if motion.normal_n > 0.0 && !is_resting { 1 << 30 } else { 0 };
-        let limit = self.limit_m();
+        let limit = self.limits.at(self.normal_n);
         let from = if self.is_first { limit } else { self.alpha_m };
         (self.alpha_m, self.is_first) = (limit, false);
         let [along, _] = self.steps;
         let ends = Ends { steps: [before * along, speed * along], alpha_m: [from, limit], heading };
         let reading = Reading::of(ends.steps[0].abs().max(ends.steps[1].abs()), is_map);
         let halvings = self.halvings();
-        self.slope.render(ends, reading, self.unit * power_of_two(-(halvings as i32)), force);
-        let mean = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
-        let middle = 0.5 * (from + limit);
-        self.smoothing.set(deviation_of(self.contact.smoothing_s * middle / mean, self.rate), reading.variance());
-        self.smoothing.set_unit(halvings);
-        self.smoothing.render(force);
+        let unit = self.unit * power_of_two(-(halvings as i32));
+        self.slope.render(ends, reading, unit, self.smoothing.room(halvings));
+        let deviation = self.smoothing_per_m * (from + limit);
+        self.smoothing.set(deviation_of(deviation), reading.variance());
+        self.smoothing.render(speed == 0.0 && before == 0.0, force);
         self.add_up(halvings, force);
         self.open(target, force);
         Ok(())
@@ -301,11 +312,11 @@ impl<'k> Scraper<'k> {
         let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
         match &mut self.roll {
             Some(roll) => {
-                let mut tick = roll.prepared(speeds, weights.less);
-                self.sum.render_with(weights, q30, force, |slope| roll.next(&mut tick, slope));
+                let mut frames = Frames::NONE;
+                self.sum.render(weights, q30, force, &mut frames.slopes);
+                roll.render(speeds, weights.less, &mut frames, force);
             }
-            None if self.sum.has_powers() => self.sum.render_with(weights, q30, force, |_| 0),
-            None => self.sum.render(weights, force),
+            None => self.sum.render(weights, q30, force, &mut [0; TICK_FRAMES]),
         }
     }
 
@@ -358,19 +369,5 @@ impl<'k> Scraper<'k> {
         };
         let speed = if speed < MAX_SPEED_M_PER_S { speed } else { MAX_SPEED_M_PER_S };
         if self.is_backwards { -speed } else { speed }
-    }
-
-    /// Limit α at the normal force (eq. 6 and 7).
-    fn limit_m(&self) -> f32 {
-        let ([least_m, most_m], [least_n, most_n]) = (self.contact.alpha_m, self.contact.normal_n);
-        let shares = self.roll.as_ref().map_or([1.0; 2], Roll::normal_shares);
-        let [least_n, most_n] = [least_n * shares[0], most_n * shares[1]];
-        if most_n <= least_n {
-            return 0.5 * (least_m + most_m);
-        }
-        let share = (self.normal_n - least_n) / (most_n - least_n);
-        let q27 = (self.contact.alpha_exponent * (1 << 27) as f32) as i32;
-        let power = if share > 0.0 { Log2::new(share).power(q27).of(1 << 30) as f32 * power_of_two(-30) } else { 0.0 };
-        most_m + power * (least_m - most_m)
     }
 }

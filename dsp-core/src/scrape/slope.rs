@@ -1,19 +1,20 @@
 //! Rise of the path's slope in each frame, `∫ S'' dx`: the curvature of the surface, limited by
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
-use super::difference::Difference;
-use super::kernel::{self, Limited};
+use super::kernel::slope::{Mix, read_rises};
+use super::kernel::{self, Course, Limited};
 use super::path::{Pair, Segments, Steps};
 use super::plane::{HeadingEnd, Plane};
-use super::walk::Walk;
 use super::way::Way;
+use super::work::Work;
 use crate::fixed;
 use crate::table::Surface;
 use crate::table::layout::OCTAVES;
 use crate::time::TICK_FRAMES;
 
-/// Steps of the grid a frame up to which the curvature is read once a frame.
-const ONCE_STEPS: f32 = 0.55;
+/// Steps of the grid a frame up to which the curvature is read once a frame: from one place to the
+/// next the way must be below half a step.
+const ONCE_STEPS: f32 = 0.49;
 /// Steps of the grid a frame up to which a map is read once. Read twice at an eighth of a wave a
 /// frame, the largest error of a third octave is 0.75 dB instead of 1.34.
 const MAP_ONCE_STEPS: f32 = 0.25;
@@ -72,25 +73,8 @@ pub(super) struct Ends {
 enum Tick {
     Once(Limited),
     Twice(Limited),
-    Octave(usize, Difference),
-}
-
-/// Work of a tick.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Work {
-    /// Blocks that were read, those of two segments twice.
-    pub(super) blocks: u32,
-    /// Frames of limited curvature, read from a profile or a map.
-    pub(super) curvatures: u32,
-    /// Frames of slope.
-    pub(super) slopes: u32,
-    /// Frames that were faded between two segments.
-    pub(super) fades: u32,
-}
-
-impl Work {
-    /// No work.
-    const NONE: Self = Self { blocks: 0, curvatures: 0, slopes: 0, fades: 0 };
+    /// Octave, first of two limits, and their mix.
+    Octave(usize, usize, Mix),
 }
 
 /// Reader of a surface along a path.
@@ -101,8 +85,9 @@ pub(super) struct Slope<'k> {
     place: Steps,
     /// Place on a map.
     plane: Option<Plane<'k>>,
-    /// Places of the block that is read.
-    walk: Walk,
+    between: Between,
+    /// Segments of the last block.
+    pair: Pair,
     /// Work of the last tick.
     work: Work,
 }
@@ -111,17 +96,19 @@ impl<'k> Slope<'k> {
     /// Reader at rest; [`Slope::begin`] must follow.
     pub(super) const fn new(surface: Surface<'k>) -> Self {
         let segments = Segments::new(0, 0);
-        Self { surface, segments, place: 0, plane: None, walk: Walk::new(), work: Work::NONE }
+        Self { surface, segments, place: 0, plane: None, between: Between::NONE, pair: Pair::NONE, work: Work::NONE }
     }
 
     /// Begins to read a surface from place 0.
     pub(super) fn begin(&mut self, surface: Surface<'k>, seed: u32) {
         (self.surface, self.place, self.work) = (surface, 0, Work::NONE);
+        self.between = Between::new(&surface);
         self.plane = Plane::new(&surface);
         self.segments = match &self.plane {
             Some(plane) => Segments::in_map(plane.shorter(), seed),
             None => Segments::new(surface.grid_points() as u32, seed),
         };
+        self.pair = Pair::NONE;
     }
 
     /// Goes on over a tick.
@@ -134,7 +121,7 @@ impl<'k> Slope<'k> {
         let block = self.segments.block(largest);
         let mut tick = self.prepared(&ends, reading, unit);
         if let Some(plane) = &mut self.plane {
-            plane.begin(&ends.heading);
+            plane.begin(&ends.heading, reading == Reading::Once);
         }
         for rises in rises.chunks_mut(block) {
             self.block(&mut tick, way, largest, rises);
@@ -164,7 +151,8 @@ impl<'k> Slope<'k> {
         } else {
             [self.place.min(end), self.place.max(end)]
         };
-        let pair = self.segments.nearest(between[0]);
+        let pair = self.segments.nearest(between[0], &self.pair);
+        self.pair = pair;
         match pair.only(between) {
             Some(only) => self.read(tick, (&pair, only == 1), way, rises),
             None => {
@@ -194,55 +182,50 @@ impl<'k> Slope<'k> {
         self.work.blocks += 1;
         match tick {
             Tick::Once(limited) => {
-                self.work.curvatures += frames;
-                self.curvatures(segment, (way, 2), rises);
+                match &mut self.plane {
+                    Some(plane) => plane.read((&self.segments, segment.0, segment.1), &mut self.work, rises),
+                    None => self.curvatures(way.middles(self.place + segment.0.offset(segment.1)), rises),
+                }
                 kernel::limit(limited, rises);
             }
             Tick::Twice(limited) => {
-                self.work.curvatures += 2 * frames;
-                let mut others = [0; TICK_FRAMES];
-                let Some(others) = others.get_mut(..rises.len()) else { return };
-                self.curvatures(segment, (way, 3), others);
-                kernel::limit(&mut limited.clone(), others);
-                self.curvatures(segment, (way, 1), rises);
-                kernel::limit(limited, rises);
-                rises.iter_mut().zip(others).for_each(|(rise, other)| *rise = (*rise >> 1) + (*other >> 1));
+                let mut halves = [0; 2 * TICK_FRAMES];
+                let Some(halves) = halves.get_mut(..2 * rises.len()) else { return };
+                match &mut self.plane {
+                    Some(plane) => plane.read_twice((&self.segments, segment.0, segment.1), &mut self.work, halves),
+                    None => self.curvatures(way.quarters(self.place + segment.0.offset(segment.1)), halves),
+                }
+                kernel::limit_halves(limited, halves, rises);
             }
-            Tick::Octave(octave, difference) => {
+            Tick::Octave(octave, column, mix) => {
                 self.work.slopes += frames;
-                let (pair, is_second) = segment;
-                let points = self.surface.grid_points();
-                let place = self.segments.in_table(self.place + pair.offset(is_second)) >> *octave;
-                let [speed, step] = way.ends().map(|speed| speed >> *octave);
-                self.walk.go(place, [speed, step], points >> *octave, rises.len());
-                difference.render(&self.surface, place, &self.walk, rises);
+                let points = self.surface.grid_points() >> *octave;
+                let place = self.segments.in_table(self.place + segment.0.offset(segment.1)) >> *octave;
+                let strides = way.strides(place, *octave, points);
+                read_rises((self.surface.slopes(*octave), points, *column), strides, mix, rises);
             }
         }
     }
 
-    /// Curvatures of a block, read after some quarters of each frame.
-    fn curvatures(&mut self, (pair, is_second): (&Pair, bool), (way, quarters): (Way, i64), values: &mut [i32]) {
-        if let Some(plane) = &mut self.plane {
-            return plane.read((&self.segments, pair, is_second), quarters, values);
-        }
-        let (behind, way) = way.behind(quarters);
-        let place = self.segments.in_table(self.place + pair.offset(is_second) - behind);
-        self.walk.go(place, way.ends(), self.surface.grid_points(), values.len());
-        kernel::read(self.surface.curvature(), &self.walk, values);
+    /// Curvatures along a course on a profile.
+    fn curvatures(&mut self, course: Course, values: &mut [i32]) {
+        self.work.add_course(&course, values.len());
+        let course = Course { place: self.segments.in_table(course.place), ..course };
+        kernel::read(self.surface.curvature(), self.surface.grid_points(), course, values);
     }
 
     fn prepared(&self, ends: &Ends, reading: Reading, unit: f32) -> Tick {
-        let (column, shares) = self.between(ends.alpha_m);
+        let inverse = ends.alpha_m.map(|alpha_m| 1.0 / alpha_m);
+        let (column, shares) = self.between(ends.alpha_m, inverse);
         if let Reading::Octave(octave) = reading {
             let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
             let first = shares.map(|s| (1.0 - s) * (1.0 + gain * s));
             let second = shares.map(|s| s * (1.0 + gain * (1.0 - s)));
-            let key = (octave, column);
-            return Tick::Octave(octave, Difference::new(&self.surface, key, [first, second], unit));
+            return Tick::Octave(octave, column, Mix::new(&self.surface, column, [first, second], unit));
         }
         let metres = self.surface.grid_step_m() / unit;
         let [from, to] = ends.steps;
-        let rise = [from * metres / ends.alpha_m[0], to * metres / ends.alpha_m[1]];
+        let rise = [from * metres * inverse[0], to * metres * inverse[1]];
         // The mean belongs to no wave of the surface: path and slope would drift with it.
         let means = self.surface.mean_per_m();
         let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
@@ -259,13 +242,32 @@ impl<'k> Slope<'k> {
     }
 
     /// First of the two limits of the table between which limits lie, and the share of the second
-    /// one at each: straight lines over 1/α, which is the largest curvature.
-    fn between(&self, alpha_m: [f32; 2]) -> (usize, [f32; 2]) {
-        let [least, middle, most] = self.surface.alpha_m();
-        let is_upper = 0.5 * (alpha_m[0] + alpha_m[1]) > middle;
-        let (low, high) = if is_upper { (middle, most) } else { (least, middle) };
-        let scale = 1.0 / (1.0 / low - 1.0 / high);
-        (usize::from(is_upper), alpha_m.map(|alpha_m| ((1.0 / low - 1.0 / alpha_m) * scale).clamp(-1.0, 2.0)))
+    /// one at each: straight lines over the limits' inverses, the largest curvatures.
+    fn between(&self, alpha_m: [f32; 2], inverse: [f32; 2]) -> (usize, [f32; 2]) {
+        let Between { twice_m, low, scale } = self.between;
+        let column = usize::from(alpha_m[0] + alpha_m[1] > twice_m);
+        let (low, scale) = if column == 0 { (low[0], scale[0]) } else { (low[1], scale[1]) };
+        (column, inverse.map(|inverse| ((low - inverse) * scale).clamp(-1.0, 2.0)))
+    }
+}
+
+/// Numbers of a table's limits that give the share of each.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    /// Twice the middle limit, in metres.
+    twice_m: f32,
+    /// Inverse of the lower of two neighbouring limits, and of the distance of their inverses.
+    low: [f32; 2],
+    scale: [f32; 2],
+}
+
+impl Between {
+    const NONE: Self = Self { twice_m: 0.0, low: [0.0; 2], scale: [0.0; 2] };
+
+    fn new(surface: &Surface<'_>) -> Self {
+        let [least, middle, most] = surface.alpha_m().map(|alpha_m| 1.0 / alpha_m);
+        let twice_m = 2.0 * surface.alpha_m()[1];
+        Self { twice_m, low: [least, middle], scale: [1.0 / (least - middle), 1.0 / (middle - most)] }
     }
 }
 

@@ -4,8 +4,9 @@
 //! beyond [`DEVIATIONS`] are left out, and the rest sum up to 1.
 
 use super::kernel::{TAPS, filter};
+use super::limit::power_of_half;
 use super::ramp::power_of_two;
-use crate::SampleRate;
+use crate::fixed;
 use crate::time::TICK_FRAMES;
 
 /// Most taps to either side of the middle one.
@@ -15,27 +16,26 @@ const MAX_REACH: usize = TICK_FRAMES - 1;
 const DEVIATIONS: f32 = 3.5;
 /// Least variance that is smoothed, in square frames: less changes 16 kHz by 0.1 dB at 48 kHz.
 const LEAST_VARIANCE: f32 = 0.005;
-/// Frames that the filter sees: the tick before that of the output, that one, and the next.
-const SEEN: usize = 3 * TICK_FRAMES;
-/// Most taps with those of 0 at their end.
-const MAX_TAPS: usize = (2 * MAX_REACH + 1).next_multiple_of(TAPS);
+/// Ticks before the newest that its filter sees: that of the output, and the one before.
+const BEHIND: usize = 2;
+/// Ticks that lie one behind the other, until the last two move back to the begin.
+const ROOM: usize = 5;
 
 /// Smoothing filter with its history.
 #[derive(Clone, Debug)]
 pub(super) struct Smoothing {
-    /// Frames of three ticks, each twice, so that any three lie one behind the other; behind them
-    /// room for taps of 0.
-    history: [i32; 2 * SEEN + 4],
-    /// Begin of the next tick in the history's first half.
-    next: usize,
+    /// Frames of the ticks; behind them a place for taps of 0.
+    history: [[i32; TICK_FRAMES]; ROOM + 1],
+    /// Number of the newest tick in the history.
+    newest: usize,
     /// True if there is no smoothing, and no delay.
     is_off: bool,
     deviation: f32,
     less: f32,
-    /// Taps, Q31, in whole steps of [`TAPS`]; the middle one stands at `reach`.
-    taps: [i32; MAX_TAPS],
+    /// Taps, Q31: the middle one at [`MAX_REACH`], and 0 behind the last one.
+    taps: [i32; 2 * MAX_REACH + 1 + TAPS],
     reach: usize,
-    /// Number of ticks since the last one that was not all 0.
+    /// Number of ticks since the last one in which something moved.
     quiet_ticks: u32,
     /// Number of times that the unit of the frames has been halved.
     halvings: u32,
@@ -56,12 +56,12 @@ impl Smoothing {
     /// No smoothing.
     pub(super) const fn off() -> Self {
         Self {
-            history: [0; 2 * SEEN + 4],
-            next: 0,
+            history: [[0; TICK_FRAMES]; ROOM + 1],
+            newest: BEHIND,
             is_off: true,
             deviation: -1.0,
             less: 0.0,
-            taps: [0; MAX_TAPS],
+            taps: [0; 2 * MAX_REACH + 1 + TAPS],
             reach: 0,
             quiet_ticks: 3,
             halvings: 0,
@@ -71,8 +71,8 @@ impl Smoothing {
 
     /// Begins with silence, for deviations of up to `widest` frames.
     pub(super) fn begin(&mut self, widest: f32) {
-        self.history.fill(0);
-        (self.next, self.is_off) = (0, widest * widest < LEAST_VARIANCE);
+        self.history.as_flattened_mut().fill(0);
+        (self.newest, self.is_off) = (BEHIND, widest * widest < LEAST_VARIANCE);
         (self.deviation, self.less) = (-1.0, 0.0);
         self.taps.fill(0);
         (self.reach, self.quiet_ticks, self.halvings, self.work) = (0, 3, 0, [0; 2]);
@@ -85,7 +85,7 @@ impl Smoothing {
 
     /// Forgets what has gone in.
     pub(super) fn stop(&mut self) {
-        self.history.fill(0);
+        self.history.as_flattened_mut().fill(0);
         self.quiet_ticks = 3;
     }
 
@@ -98,63 +98,69 @@ impl Smoothing {
         }
         (self.deviation, self.less) = (deviation, less);
         let variance = deviation * deviation - less;
-        let before = self.reach;
         self.reach = reach_of(variance);
         self.work[0] = 1 + self.reach as u32;
         // e^(-1/2σ²) = 2^-(1/(2 ln 2 σ²)), whose exponent is at most 15.
         let exponent = (1.0 / (2.0 * core::f32::consts::LN_2))
             / (if variance > LEAST_VARIANCE { variance } else { LEAST_VARIANCE });
-        let first = power_of_half(if exponent < 15.0 { exponent } else { 15.0 });
-        // The tap k is first^(k²): each is the one before times first^(2k + 1).
-        let square = first * first;
-        let (mut weight, mut ratio, mut sum) = (1.0, first, 1.0);
-        for _ in 0..self.reach {
-            weight *= ratio;
-            ratio *= square;
-            sum += 2.0 * weight;
+        let first = (power_of_half(if exponent < 15.0 { exponent } else { 15.0 }) * power_of_two(31)) as i32;
+        // The tap k is first^(k²): each is the one before times first^(2k + 1). All are Q31.
+        let square = fixed::times_q31(first, first);
+        let Some((left, [middle, right @ ..])) = self.taps.split_at_mut_checked(MAX_REACH) else { return };
+        let Some((right, rest)) = right.split_at_mut_checked(self.reach) else { return };
+        let (mut weight, mut ratio, mut sum) = (i32::MAX, first, 1 << 24);
+        for tap in right.iter_mut() {
+            weight = fixed::times_q31(weight, ratio);
+            ratio = fixed::times_q31(ratio, square);
+            *tap = weight;
+            // At most 2^30, since there are 31 at most.
+            sum += weight >> 6;
         }
-        let scale = power_of_two(31) / sum;
-        let Some((left, [middle, right @ ..])) = self.taps.split_at_mut_checked(self.reach) else { return };
+        // One of both sides has been added up, and half the middle one, Q25.
+        let scale = power_of_two(31 + 24) / sum as f32;
         // `as` saturates where the middle tap is 1.
-        *middle = scale as i32;
-        (weight, ratio) = (1.0, first);
+        let scale = scale as i32;
+        *middle = scale;
         for (before, behind) in left.iter_mut().rev().zip(right) {
-            weight *= ratio;
-            ratio *= square;
-            *before = (weight * scale) as i32;
-            *behind = *before;
+            *behind = fixed::times_q31(*behind, scale);
+            *before = *behind;
         }
-        self.taps.iter_mut().take(2 * before + 1).skip(2 * self.reach + 1).for_each(|tap| *tap = 0);
+        rest.first_chunk_mut().into_iter().for_each(|taps: &mut [i32; TAPS]| *taps = [0; TAPS]);
     }
 
-    /// Gives frames to come, and those of the history, a unit that is so many times halved.
-    pub(super) fn set_unit(&mut self, halvings: u32) {
+    /// Room for the frames of the next tick, each at most 2^30 in size, whose unit has been halved
+    /// so many times; those of the history get the same unit.
+    pub(super) fn room(&mut self, halvings: u32) -> &mut [i32; TICK_FRAMES] {
+        self.newest += 1;
+        if self.newest == ROOM {
+            (self.history[0], self.history[1]) = (self.history[ROOM - 2], self.history[ROOM - 1]);
+            self.newest = BEHIND;
+        }
         let (less, more) = (self.halvings.saturating_sub(halvings), halvings.saturating_sub(self.halvings));
         self.halvings = halvings;
         if (less, more) != (0, 0) {
-            self.history.iter_mut().for_each(|frame| *frame = (*frame >> (less & 31)) << (more & 31));
+            let behind = self.history.get_mut(self.newest - BEHIND..self.newest).unwrap_or(&mut []);
+            let frames = behind.as_flattened_mut().iter_mut();
+            frames.for_each(|frame| *frame = (*frame >> (less & 31)) << (more & 31));
         }
+        // Never the first one: that is for the compiler.
+        let [first, others @ ..] = &mut self.history;
+        others.get_mut(self.newest - 1).unwrap_or(first)
     }
 
-    /// Takes a tick of frames, each at most 2^30 in size, and gives those of the tick before,
-    /// smoothed.
-    pub(super) fn render(&mut self, frames: &mut [i32; TICK_FRAMES]) {
-        self.quiet_ticks = if frames.iter().all(|&x| x == 0) { (self.quiet_ticks + 1).min(3) } else { 0 };
+    /// Gives the frames of the tick before that in the [`room`](Self::room), smoothed; or, without
+    /// a delay, those of the tick itself. In a quiet one nothing has moved.
+    pub(super) fn render(&mut self, is_quiet: bool, frames: &mut [i32; TICK_FRAMES]) {
+        self.quiet_ticks = if is_quiet { (self.quiet_ticks + 1).min(3) } else { 0 };
         if self.is_off {
+            self.history.get(self.newest).into_iter().for_each(|tick| *frames = *tick);
             return;
         }
-        for half in [0, SEEN] {
-            if let Some(place) = self.history.get_mut(self.next + half..).and_then(<[i32]>::first_chunk_mut) {
-                *place = *frames;
-            }
-        }
-        self.next = if self.next + TICK_FRAMES == SEEN { 0 } else { self.next + TICK_FRAMES };
         let count = (2 * self.reach + 1).next_multiple_of(TAPS);
         self.work[1] = count as u32;
-        let taps = self.taps.get(..count).unwrap_or(&[]);
-        // The oldest tick lies where the next one will be written.
-        let first = self.next + TICK_FRAMES - self.reach;
-        filter(self.history.get(first..).unwrap_or(&[]), taps, frames);
+        let taps = self.taps.get(MAX_REACH - self.reach..).and_then(|taps| taps.get(..count)).unwrap_or(&[]);
+        let first = (self.newest - 1) * TICK_FRAMES - self.reach;
+        filter(self.history.as_flattened().get(first..).unwrap_or(&[]), taps, frames);
     }
 
     /// Taps that the last tick derived, 0 if none, and those that it filtered with.
@@ -168,22 +174,11 @@ impl Smoothing {
     }
 }
 
-/// Power of one half, exact to 2e-7, for exponents from 0 to 15.
-fn power_of_half(exponent: f32) -> f32 {
-    let whole = exponent as i32;
-    // e^-y about the middle of an octave.
-    let y = core::f32::consts::LN_2 * (exponent - whole as f32 - 0.5);
-    let series = [-1.0 / 5040.0, 1.0 / 720.0, -1.0 / 120.0, 1.0 / 24.0, -1.0 / 6.0, 0.5, -1.0, 1.0];
-    let power = series.into_iter().fold(0.0, |sum, term| sum * y + term);
-    core::f32::consts::FRAC_1_SQRT_2 * power * power_of_two(-whole)
-}
-
-/// Standard deviation in frames of a time in seconds.
+/// Standard deviation in frames that is rendered for another.
 ///
 /// It is rounded to one of 128 steps in an octave, so that the taps of a tick are often those of
 /// the one before.
-pub(super) fn deviation_of(seconds: f32, rate: SampleRate) -> f32 {
-    let deviation = seconds * rate.hz_f32();
+pub(super) fn deviation_of(deviation: f32) -> f32 {
     let deviation = if deviation < MAX_DEVIATION { deviation } else { MAX_DEVIATION };
     f32::from_bits((deviation.to_bits() + (1 << 15)) & !((1 << 16) - 1))
 }
@@ -199,9 +194,9 @@ mod tests {
             smoothing.begin(deviation);
             smoothing.set(deviation, 0.0);
             let mut frames = [0; TICK_FRAMES];
-            for _ in 0..4 {
-                frames = [1 << 29; TICK_FRAMES];
-                smoothing.render(&mut frames);
+            for _ in 0..9 {
+                *smoothing.room(0) = [1 << 29; TICK_FRAMES];
+                smoothing.render(false, &mut frames);
             }
             assert!(frames.iter().all(|&x| (x - (1 << 29)).abs() < 200), "{deviation}: {frames:?}");
         }

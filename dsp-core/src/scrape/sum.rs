@@ -1,5 +1,6 @@
 //! Sum of the vertical and the horizontal force, frame by frame.
 
+use super::kernel::{self, Adding};
 use super::power::Powers;
 use super::ramp::{Normal, Ramp, fixed_from, power_of_two};
 use super::scale::Gain;
@@ -8,8 +9,6 @@ use crate::time::TICK_FRAMES;
 
 /// Fraction bits of the path's slope.
 const SLOPE_BITS: i32 = 28;
-/// Largest slope, 4 units.
-const LARGEST_SLOPE: i32 = (1 << 30) - 1;
 
 /// Gains of a contact, and its path's slope.
 #[derive(Clone, Debug)]
@@ -53,11 +52,6 @@ impl Sum {
         (self.vertical, self.horizontal, self.powers, self.leak, self.slope) = (vertical, horizontal, other, leak, 0);
     }
 
-    /// True if the slope's exponent is not 1.
-    pub(super) const fn has_powers(&self) -> bool {
-        self.powers.is_some()
-    }
-
     /// Prepares a tick with the speeds at its ends in m/s, and rises whose unit is the slope's,
     /// `halvings` times halved.
     pub(super) fn weights(&self, speeds: [f32; 2], halvings: u32) -> Weights {
@@ -77,70 +71,38 @@ impl Sum {
         }
     }
 
-    /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated.
-    pub(super) fn render(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
-        if weights.left == 0 {
-            self.render_shifted::<false>(weights, frames)
-        } else {
-            self.render_shifted::<true>(weights, frames)
-        }
-    }
-
-    #[inline(never)]
-    fn render_shifted<const LEFT: bool>(&mut self, weights: Weights, frames: &mut [i32; TICK_FRAMES]) {
-        let Weights { rise: gain, mut vertical, mut horizontal, left, right, less } = weights;
-        let mut slope = self.slope;
-        for frame in frames {
-            let rise = *frame;
-            slope = next_slope(slope, i64::from(rise) * i64::from(gain), less);
-            let across = fixed::smmul(high(slope), horizontal.next()).abs();
-            let sum = fixed::smmul(rise, vertical.next()) + across;
-            *frame = if LEFT { fixed::saturating_shift_left(sum, left) } else { sum >> (right & 31) };
-        }
-        self.slope = slope;
-    }
-
-    /// Turns rises into force with another exponent than 1, or for a ball: `more` gives what comes
-    /// on top for the slope in each frame.
-    #[inline(never)]
-    pub(super) fn render_with(
+    /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated, and gives
+    /// the slope in each frame. `speeds` are those at the ends of the tick as shares of the highest
+    /// one, Q30.
+    pub(super) fn render(
         &mut self,
         weights: Weights,
         speeds: [i32; 2],
         frames: &mut [i32; TICK_FRAMES],
-        mut more: impl FnMut(i32) -> i32,
+        slopes: &mut [i32; TICK_FRAMES],
     ) {
-        let Weights { rise: gain, mut vertical, mut horizontal, left, right, less } = weights;
-        let mut speed = Ramp::new(speeds);
-        for frame in frames {
-            let rise = *frame;
-            self.slope = next_slope(self.slope, i64::from(rise) * i64::from(gain), less);
-            let slope = high(self.slope);
-            let across = fixed::smmul(slope, horizontal.next()).abs();
-            let sum = fixed::smmul(rise, vertical.next()) + across;
-            let mut force = fixed::saturating_shift_left(sum >> right, left);
-            if let Some((powers, gain)) = &self.powers {
-                // Speed Q30 and slope Q28, of 4 units at most: as Q63 of 8 units.
-                let product = i64::from(slope) * i64::from(speed.next());
-                force = fixed::qadd(force, gain.apply_to(powers.of(product.unsigned_abs() << 2)));
-            }
-            *frame = fixed::qadd(force, more(slope));
+        let Weights { rise: gain, vertical, horizontal, left, right, less } = weights;
+        let mut adding = Adding { slope: self.slope, gain, less, vertical, horizontal, right, left };
+        kernel::add_up(&mut adding, frames, slopes);
+        self.slope = adding.slope;
+        if let Some((powers, gain)) = &self.powers {
+            add_powers(powers, *gain, Ramp::new(speeds), frames, slopes);
         }
     }
 }
 
-/// Slope behind a frame: it grows by the rise, and leaks by `less`, Q32. It stays within
-/// [`LARGEST_SLOPE`].
-#[inline(always)]
-fn next_slope(slope: i64, rise: i64, less: i32) -> i64 {
-    // A slope below 2^62 and a rise below 2^30 times 2^29.
-    let slope = slope + rise + i64::from(high(slope)) * i64::from(less);
-    let clamped = high(slope).clamp(-LARGEST_SLOPE - 1, LARGEST_SLOPE);
-    (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX))
-}
-
-/// Slope with [`SLOPE_BITS`].
-#[inline(always)]
-const fn high(slope: i64) -> i32 {
-    (slope >> 32) as i32
+/// Adds the horizontal force of slopes with another exponent than 1.
+#[inline(never)]
+fn add_powers(
+    powers: &Powers,
+    gain: Gain,
+    mut speed: Ramp,
+    frames: &mut [i32; TICK_FRAMES],
+    slopes: &[i32; TICK_FRAMES],
+) {
+    for (frame, slope) in frames.iter_mut().zip(slopes) {
+        // Speed Q30 and slope Q28, of 4 units at most: as Q63 of 8 units.
+        let product = i64::from(*slope) * i64::from(speed.next());
+        *frame = fixed::qadd(*frame, gain.apply_to(powers.of(product.unsigned_abs() << 2)));
+    }
 }

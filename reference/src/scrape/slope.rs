@@ -10,7 +10,7 @@ use super::surface::Surface;
 use super::{TICK_FRAMES, ramp};
 
 /// Points a frame up to which the curvature is read once, and twice.
-const ONCE_POINTS: f32 = 0.55;
+const ONCE_POINTS: f32 = 0.49;
 const TWICE_POINTS: f32 = 0.9;
 /// Points a frame up to which a map is read once; above it is read twice at any speed.
 const MAP_ONCE_POINTS: f32 = 0.25;

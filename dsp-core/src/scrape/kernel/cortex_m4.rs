@@ -6,11 +6,9 @@ use core::mem::offset_of;
 use zerocopy::byteorder::little_endian::I16;
 
 use super::super::ramp::Ramp;
-use super::super::tanh::{ARGUMENT_BITS, PIECE_TERMS};
-use super::super::walk::{Point, Walk};
-use super::{Directions, Limited, MAP_ROUNDING, OUTPUTS, TAPS};
-use crate::table::Map;
-use crate::table::layout::{CURVATURES, GUARD};
+use super::super::tanh::{ARGUMENT_BITS, PIECE_TERMS, PIECES, Piece, WITHIN_BITS};
+use super::{Adding, Course, Limited, OUTPUTS, TAPS};
+use crate::table::layout::GUARD;
 use crate::time::TICK_FRAMES;
 
 core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
@@ -18,92 +16,104 @@ core::arch::global_asm!(include_str!("cortex_m4.s"), options(raw));
 // Numbers that cortex_m4.s uses.
 const _: () = {
     assert!(OUTPUTS == 4 && TAPS == 4 && TICK_FRAMES == 32);
-    assert!(offset_of!(Limited, factor) == 0 && offset_of!(Limited, rise) == 8 && offset_of!(Limited, mean) == 16);
-    assert!(size_of::<Point>() == 8 && offset_of!(Point, fraction) == 4 && size_of::<I16>() == 2);
-    assert!(size_of::<Ramp>() == 8 && CURVATURES == 3 && MAP_ROUNDING == 6 && size_of::<MapPlaces>() == 20);
-    assert!(ARGUMENT_BITS == 19 && size_of_val(&PIECE_TERMS) == 16 * 64 && GUARD == 3);
+    assert!(offset_of!(Limited, factor) == 0 && offset_of!(Limited, rise) == 8 && offset_of!(Limited, less) == 16);
+    assert!(offset_of!(Adding, gain) == 8 && offset_of!(Adding, less) == 12 && offset_of!(Adding, vertical) == 16);
+    assert!(offset_of!(Adding, horizontal) == 24 && offset_of!(Adding, right) == 32 && offset_of!(Adding, left) == 36);
+    assert!(size_of::<Ramp>() == 8 && size_of::<I16>() == 2);
+    assert!(ARGUMENT_BITS == 19 && WITHIN_BITS == 14 && PIECES == 512 && size_of::<Piece>() == 8 && GUARD == 3);
 };
 
 unsafe extern "C" {
-    fn malleus_scrape_read(table: *const I16, places: *const Point, values: *mut i32, values_end: *const i32);
-    fn malleus_scrape_read_map(
-        map: *const MapPlaces,
-        values: *mut i32,
-        values_end: *const i32,
-        directions: *const Directions,
+    fn malleus_scrape_read(course: *const CourseInTable, values: *mut i32, values_end: *const i32);
+    fn malleus_scrape_limit(limited: *mut Limited, pieces: *const Piece, values: *mut i32, values_end: *const i32);
+    fn malleus_scrape_limit_halves(
+        limited: *mut Limited,
+        pieces: *const Piece,
+        rises: *mut i32,
+        rises_end: *const i32,
+        values: *const i32,
     );
-    fn malleus_scrape_limit(limited: *mut Limited, terms: *const [i32; 4], values: *mut i32, values_end: *const i32);
+    fn malleus_scrape_add_up(adding: *mut Adding, frames: *mut i32, slopes: *mut i32);
     fn malleus_scrape_smooth(history: *const i32, taps: *const i32, frames: *mut i32, taps_end: *const i32);
+}
+
+/// Course in the table that `malleus_scrape_read` reads.
+#[repr(C)]
+struct CourseInTable {
+    /// Way from the middle of the interval, Q32.
+    within: i32,
+    speed: i32,
+    step: i32,
+    /// Coefficients of the interval.
+    coefficients: *const I16,
+    first: *const I16,
+    /// End of the points, behind which the guard begins.
+    end: *const I16,
 }
 
 /// Reads a table as [`super::portable::read`] does.
 ///
-/// Cost, counted from the code: 26 cycles a frame.
-pub(in super::super) fn read(table: &[I16], walk: &Walk, values: &mut [i32]) {
-    let places = walk.points(values.len());
-    if values.is_empty() || places.len() < values.len() || table.len() < walk.length() + GUARD {
+/// Cost, counted from the code: 9 cycles a value, and 32 where an interval begins.
+pub(in super::super) fn read(table: &[I16], points: usize, course: Course, values: &mut [i32]) {
+    let Course { place, speed, step } = course;
+    let index = (place >> 32) as usize;
+    let (Some(coefficients), Some(inside), true) = (table.get(index..), table.get(..points), index < points) else {
         values.fill(0);
         return;
-    }
-    let end = values.as_ptr_range().end;
-    // SAFETY: there is a place for each value, at least one; each lies before the walk's length,
-    // behind which the table goes on by three coefficients.
-    unsafe { malleus_scrape_read(table.as_ptr(), places.as_ptr(), values.as_mut_ptr(), end) }
-}
-
-/// Map and places that `malleus_scrape_read_map` reads.
-#[repr(C)]
-struct MapPlaces {
-    coefficients: *const I16,
-    row_bytes: usize,
-    /// From the row behind the four of a map to the first of the next map's.
-    rest_bytes: usize,
-    x: *const Point,
-    y: *const Point,
-}
-
-/// Reads a map as [`super::portable::read_map`] does.
-///
-/// Cost by the cycle model: 220 cycles a frame on a map at 0.2 m/s, where fades between segments
-/// read some places twice (`cargo test -p host-tests --test on_chip scrape:: -- --nocapture`).
-pub(in super::super) fn read_map(map: &Map<'_>, walks: [&Walk; 2], directions: Directions, values: &mut [i32]) {
-    let [columns, rows] = map.points();
-    let [x, y] = walks.map(|walk| walk.points(values.len()));
-    let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
-    let is_whole = walks.map(Walk::length) == [columns, rows] && map.coefficients().len() == CURVATURES * size;
-    if values.is_empty() || x.len() < values.len() || y.len() < values.len() || !is_whole {
-        values.fill(0);
-        return;
-    }
-    let places = MapPlaces {
-        coefficients: map.coefficients().as_ptr(),
-        row_bytes: 2 * row,
-        rest_bytes: 2 * size - 8 * row,
-        x: x.as_ptr(),
-        y: y.as_ptr(),
     };
+    if values.is_empty() || table.len() < points + GUARD {
+        values.fill(0);
+        return;
+    }
+    let within = (place as u32 ^ (1 << 31)) as i32;
+    let ends = inside.as_ptr_range();
+    let course =
+        CourseInTable { within, speed, step, coefficients: coefficients.as_ptr(), first: ends.start, end: ends.end };
     let end = values.as_ptr_range().end;
-    // SAFETY: there is a place in both directions for each value, at least one; each lies before
-    // the map's numbers of columns and rows, behind which its coefficients go on by three.
-    unsafe { malleus_scrape_read_map(&places, values.as_mut_ptr(), end, &directions) }
+    // SAFETY: there is at least one value; each interval lies before the points' end, behind which
+    // the table goes on by three coefficients.
+    unsafe { malleus_scrape_read(&course, values.as_mut_ptr(), end) }
 }
 
 /// Limits curvatures as [`super::portable::limit`] does.
 ///
-/// Cost, counted from the code: 30 cycles a frame.
+/// Cost, counted from the code: 15 cycles a frame.
 pub(in super::super) fn limit(limited: &mut Limited, values: &mut [i32]) {
-    if values.is_empty() {
-        return;
-    }
+    let (Some(pieces), false) = (middle(), values.is_empty()) else { return };
     let end = values.as_ptr_range().end;
-    // SAFETY: the loop goes over the values, at least one, and takes one of the 64 pieces for any
-    // argument.
-    unsafe { malleus_scrape_limit(limited, PIECE_TERMS.as_ptr(), values.as_mut_ptr(), end) }
+    // SAFETY: the loop goes over the values, at least one, and takes one of the pieces from 256
+    // before the middle to 255 behind it for any argument.
+    unsafe { malleus_scrape_limit(limited, pieces, values.as_mut_ptr(), end) }
+}
+
+/// Limits curvatures of two places in each frame as [`super::portable::limit_halves`] does.
+///
+/// Cost, counted from the code: 31 cycles a frame.
+pub(in super::super) fn limit_halves(limited: &mut Limited, values: &[i32], rises: &mut [i32]) {
+    let (Some(pieces), Some(_), false) = (middle(), values.get(..2 * rises.len()), rises.is_empty()) else { return };
+    let end = rises.as_ptr_range().end;
+    // SAFETY: the loop goes over the rises, at least one, with two values for each; pieces as in
+    // `limit`.
+    unsafe { malleus_scrape_limit_halves(limited, pieces, rises.as_mut_ptr(), end, values.as_ptr()) }
+}
+
+/// Piece from 0 on, with as many before it as behind it.
+fn middle() -> Option<*const Piece> {
+    PIECE_TERMS.get(PIECES / 2..).map(<[Piece]>::as_ptr)
+}
+
+/// Adds up forces as [`super::portable::add_up`] does.
+///
+/// Cost, counted from the code: 17 cycles a frame; 24 with a shift to the left.
+pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES], slopes: &mut [i32; TICK_FRAMES]) {
+    // SAFETY: there are 32 frames and slopes.
+    unsafe { malleus_scrape_add_up(adding, frames.as_mut_ptr(), slopes.as_mut_ptr()) }
 }
 
 /// Filters a tick as [`super::portable::filter`] does.
 ///
-/// Cost, counted from the code: 7 cycles a tap and 20 for four outputs; 44 a frame with 20 taps.
+/// Cost, counted from the code: 26 cycles for four taps and 30 for four outputs; 47 a frame with 24
+/// taps.
 pub(in super::super) fn filter(history: &[i32], taps: &[i32], frames: &mut [i32; TICK_FRAMES]) {
     if taps.is_empty() || !taps.len().is_multiple_of(TAPS) || history.len() < TICK_FRAMES + taps.len() {
         frames.fill(0);

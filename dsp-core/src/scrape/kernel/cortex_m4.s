@@ -1,6 +1,8 @@
-@ The loops of a slow contact for a Cortex-M4F: malleus_scrape_read(table, places, values, end),
-@ malleus_scrape_read_map(map, values, end, directions), malleus_scrape_limit(limited, terms,
-@ values, end), and malleus_scrape_smooth(history, taps, frames, taps_end).
+@ The loops of a contact for a Cortex-M4F: malleus_scrape_read(course, values, end),
+@ malleus_scrape_limit(limited, pieces, values, end),
+@ malleus_scrape_limit_halves(limited, pieces, rises, end, values),
+@ malleus_scrape_smooth(history, taps, frames, taps_end), and
+@ malleus_scrape_add_up(adding, frames, slopes).
 @
 @ The bits are those of portable.rs.
 
@@ -9,235 +11,322 @@
     .fpu fpv4-sp-d16
     .section .text.malleus_scrape,"ax",%progbits
 
-@ A value of the spline for each place: coefficients a to d, two in a word, times the weights of 1,
-@ f, f^2, f^3 that spline.rs has: 256 (a + 4 b + c), 1536 (c - a), 3072 (a - 2 b + c) and
-@ 2048 (d - a + 3 (b - c)).
-@ Registers: r0 table, r1 places, r2 values, r3 their end, r4 256 and 1024, r5 -1536 and 1536,
-@ r6 256 and 3072, r7 3072 and -6144, r8 -2048 and 6144, s0 -6144 and 2048, r9 a and b, r10 c and d,
-@ r11 fraction, r12 sum, lr term.
+@ The coefficients a to d of a course's interval, two in a word, as terms of 1, t, t^2 and t^3 of
+@ the way t from its middle: 512 (a + 23 b + 23 c + d), 3072 (d - a + 5 (c - b)),
+@ 6144 (a - b - c + d), and 4096 (d - a + 3 (b - c)).
+    .macro course_terms
+    ldr     r10, [r3]
+    ldr     r11, [r3, #4]
+    vmov    r12, s0
+    smuad   r4, r10, r12
+    smladx  r4, r11, r12, r4
+    vmov    r12, s1
+    smuad   r5, r10, r12
+    smuadx  lr, r11, r12
+    sub     r5, lr, r5
+    vmov    r12, s2
+    smuad   r6, r10, r12
+    smladx  r6, r11, r12, r6
+    vmov    r12, s3
+    smuad   r7, r10, r12
+    smuadx  lr, r11, r12
+    sub     r7, r7, lr
+    .endm
+
+@ The next place of a course, and its value. Label \value follows a course's next interval.
+    .macro course_value value, next
+    add     r1, r1, r2
+    adds    r0, r0, r1
+    bvs     \next
+\value: smmlar  r12, r7, r0, r6
+    smmlar  r12, r12, r0, r5
+    smmlar  r12, r12, r0, r4
+    str     r12, [r8], #4
+    .endm
+
+@ The interval before or behind: by the sign of the way. The table goes round.
+    .macro course_next value
+    asrs    r12, r1, #31
+    add     r3, r3, r12, lsl #2
+    adds    r3, r3, #2
+    vmov    r10, s5
+    vmov    r11, s4
+    cmp     r3, r10
+    it      hs
+    movhs   r3, r11
+    cmp     r3, r11
+    it      lo
+    sublo   r3, r10, #2
+    course_terms
+    b       \value
+    .endm
+
+@ Values of the spline along a course.
+@ Registers: r0 way from the interval's middle, r1 speed, r2 its step, r3 coefficients of the
+@ interval, r4-r7 terms, r8 values, r9 their end, r10 a and b, r11 c and d, r12 sum; s0-s3 weights
+@ of the coefficients, s4 the table's first one, s5 the end of its points.
     .p2align 4
     .global malleus_scrape_read
     .type   malleus_scrape_read, %function
 malleus_scrape_read:
     push    {r4-r11, lr}
-    ldr     r4, =0x04000100
-    ldr     r5, =0x0600fa00
-    ldr     r6, =0x0c000100
-    ldr     r7, =0xe8000c00
-    ldr     r8, =0x1800f800
-    ldr     r12, =0x0800e800
+    mov     r8, r1
+    mov     r9, r2
+    ldr     r12, =0x2e000200
     vmov    s0, r12
-1:  ldrd    r10, r11, [r1], #8
-    add     r10, r0, r10, lsl #1
-    ldr     r9, [r10]
-    ldr     r10, [r10, #4]
-    vmov    lr, s0
-    smuad   r12, r9, r8
-    smlad   r12, r10, lr, r12
-    smuad   lr, r9, r7
-    smlabt  lr, r10, r6, lr
-    smmlar  r12, r12, r11, lr
-    smulbb  lr, r9, r5
-    smlabt  lr, r10, r5, lr
-    smmlar  r12, r12, r11, lr
-    smuad   lr, r9, r4
-    smlabb  lr, r10, r6, lr
-    smmlar  r12, r12, r11, lr
-    lsl     r12, r12, #3
-    str     r12, [r2], #4
-    cmp     r2, r3
+    ldr     r12, =0x3c000c00
+    vmov    s1, r12
+    ldr     r12, =0xe8001800
+    vmov    s2, r12
+    ldr     r12, =0x3000f000
+    vmov    s3, r12
+    ldm     r0, {r0-r5}
+    vmov    s4, r4
+    vmov    s5, r5
+    course_terms
+    sub     r12, r9, r8
+    tst     r12, #4
+    bne     2f
+1:  course_value 3, 5f
+2:  course_value 4, 6f
+    cmp     r8, r9
     bne     1b
     pop     {r4-r11, pc}
+5:  course_next 3b
+6:  course_next 4b
     .ltorg
     .size   malleus_scrape_read, . - malleus_scrape_read
 
-@ A row of a map: its four coefficients times the row's weight onto the sums of their columns.
-    .macro map_row weight
-    smmulr  r12, r1, \weight
-    ldr     lr, [r0]
-    ldr     r2, [r0, #4]
-    add     r0, r0, r3
-    smlawb  r4, r12, lr, r4
-    smlawt  r5, r12, lr, r5
-    smlawb  r6, r12, r2, r6
-    smlawt  r7, r12, r2, r7
+@ A value's argument of tanh, and the place of its piece.
+    .macro limit_argument value, piece
+    smmulr  \value, \value, r4
+    ssat    \piece, #9, \value, asr #14
     .endm
 
-@ The four rows of a curvature, with its weight in the direction.
-    .macro map_rows value step
-    vmov    r1, \value
-    vmov    r2, \step
-    add     r1, r1, r2
-    vmov    \value, r1
-    map_row r8
-    map_row r9
-    map_row r10
-    map_row r11
+@ Terms of both pieces, from their places, and tanh of both arguments into r12 and r0.
+    .macro limit_both
+    add     r11, r1, r11, lsl #3
+    add     lr, r1, lr, lsl #3
+    ldr     r12, [r11, #4]
+    ldr     r11, [r11]
+    ldr     r0, [lr, #4]
+    ldr     lr, [lr]
+    smlabb  r12, r12, r9, r12
+    smlawb  r12, r12, r9, r11
+    smlabb  r0, r0, r10, r0
+    smlawb  r0, r0, r10, lr
     .endm
 
-@ A value of the map for each place.
-@ Registers: r0 row, r1 weight of the direction, r2 coefficients, r3 bytes of a row, r4-r7 sums of
-@ columns, r8-r11 weights of rows, r12 weight of a row and direction, lr coefficients; s0 values,
-@ s1 their end, s2 map, s3 bytes of a row, s4 bytes to the next map, s5 and s6 places along rows and
-@ across, s8-s13 weights of the directions and their steps, s15 fraction.
-    .p2align 4
-    .global malleus_scrape_read_map
-    .type   malleus_scrape_read_map, %function
-malleus_scrape_read_map:
-    push    {r4-r11, lr}
-    vldmia  r0, {s2-s6}
-    vldmia  r3, {s8-s13}
-    vmov    s0, r1
-    vmov    s1, r2
-1:  vmov    r0, s6
-    ldrd    r1, r2, [r0], #8
-    vmov    s6, r0
-    vmov    r3, s3
-    vmov    r0, s2
-    mla     r0, r1, r3, r0
-    vmov    r1, s5
-    ldrd    r12, lr, [r1], #8
-    vmov    s5, r1
-    add     r0, r0, r12, lsl #1
-    vmov    s15, lr
-    smmulr  r12, r2, r2
-    smmulr  r11, r12, r2
-    asr     r11, r11, #1
-    asr     r12, r12, #2
-    asr     r2, r2, #3
-    sub     r9, r11, r12, lsl #1
-    add     r9, r9, r9, lsl #1
-    add     r9, r9, #0x40000000
-    add     r10, r2, r12
-    sub     r10, r10, r11
-    add     r10, r10, r10, lsl #1
-    add     r10, r10, #0x10000000
-    rsb     r8, r9, #0x60000000
-    sub     r8, r8, r10
-    sub     r8, r8, r11
-    movs    r4, #6
-    movs    r5, #6
-    movs    r6, #6
-    movs    r7, #6
-    map_rows s8, s9
-    vmov    r2, s4
-    add     r0, r0, r2
-    map_rows s10, s11
-    vmov    r2, s4
-    add     r0, r0, r2
-    map_rows s12, s13
-    asr     r4, r4, #2
-    asr     r5, r5, #2
-    asr     r6, r6, #2
-    asr     r7, r7, #2
-    vmov    lr, s15
-    add     r12, r4, r6
-    sub     r2, r5, r6
-    add     r2, r2, r2, lsl #1
-    add     r2, r2, r7
-    sub     r2, r2, r4
-    lsl     r2, r2, #1
-    sub     r3, r12, r5, lsl #1
-    add     r3, r3, r3, lsl #1
-    smmlar  r2, r2, lr, r3
-    sub     r3, r6, r4
-    add     r3, r3, r3, lsl #1
-    asr     r3, r3, #1
-    smmlar  r2, r2, lr, r3
-    add     r3, r12, r5, lsl #2
-    asr     r3, r3, #2
-    smmlar  r2, r2, lr, r3
-    lsl     r2, r2, #3
-    vmov    r0, s0
-    vmov    r1, s1
-    str     r2, [r0], #4
-    vmov    s0, r0
-    cmp     r0, r1
-    bne     1b
-    pop     {r4-r11, pc}
-    .size   malleus_scrape_read_map, . - malleus_scrape_read_map
-
-@ Limits each value by tanh, cubics of 64 pieces in 0 to 8, and takes its rise.
-@ Registers: r0 limits and rises of the tick, r1 terms, r2 values, r3 their end, r4 factor, r5 its
-@ step, r6 rise, r7 its step, r8 mean, r9-r12 terms, lr value and place in the piece; s0 sign.
+@ Limits each value by tanh, parabolas of 512 pieces from -8 to 8, and takes its rise.
+@ Registers: r0 and r12 slopes, r1 pieces from 0 on, r2 values, r3 their end, r4 factor, r5 its
+@ step, r6 rise, r7 its step, r8 what is added, r9 and r10 arguments, r11 and lr pieces; s0 limits.
     .p2align 4
     .global malleus_scrape_limit
     .type   malleus_scrape_limit, %function
 malleus_scrape_limit:
     push    {r4-r11, lr}
+    vmov    s0, r0
     ldm     r0, {r4-r8}
-1:  ldr     lr, [r2]
+    sub     r12, r3, r2
+    tst     r12, #4
+    beq     1f
+    ldr     r9, [r2]
+    movs    r10, #0
+    movs    lr, #0
     add     r4, r4, r5
-    smmulr  lr, lr, r4
-    asr     r9, lr, #31
-    vmov    s0, r9
-    eor     lr, lr, r9
-    sub     lr, lr, r9
-    usat    lr, #22, lr
-    lsr     r9, lr, #16
-    lsl     lr, lr, #16
-    add     r9, r1, r9, lsl #4
-    lsr     lr, lr, #1
-    ldm     r9, {r9-r12}
-    smmlar  r11, r12, lr, r11
-    smmlar  r10, r11, lr, r10
-    smmlar  r9, r10, lr, r9
-    vmov    r10, s0
-    eor     r9, r10, r9, lsl #3
-    sub     r9, r9, r10
+    limit_argument r9, r11
+    limit_both
     add     r6, r6, r7
-    smmulr  r9, r9, r6
-    sub     r9, r9, r8
-    str     r9, [r2], #4
+    smmlar  r12, r12, r6, r8
+    str     r12, [r2], #4
+    cmp     r2, r3
+    beq     2f
+1:  ldr     r9, [r2]
+    ldr     r10, [r2, #4]
+    add     r4, r4, r5
+    limit_argument r9, r11
+    add     r4, r4, r5
+    limit_argument r10, lr
+    limit_both
+    add     r6, r6, r7
+    smmlar  r12, r12, r6, r8
+    add     r6, r6, r7
+    smmlar  r0, r0, r6, r8
+    str     r12, [r2], #4
+    str     r0, [r2], #4
     cmp     r2, r3
     bne     1b
+2:  vmov    r0, s0
     str     r4, [r0]
     str     r6, [r0, #8]
     pop     {r4-r11, pc}
     .size   malleus_scrape_limit, . - malleus_scrape_limit
 
-@ A tap for four outputs: two loads in a row take 3 cycles, and four products 4.
-    .macro smooth_tap a b c d
-    ldr     r12, [r1], #4
-    ldr     \d, [r0], #4
-    smmlar  r4, \a, r12, r4
-    smmlar  r5, \b, r12, r5
-    smmlar  r6, \c, r12, r6
-    smmlar  r7, \d, r12, r7
+@ Limits values two by two, and takes the rise of their mean.
+@ Registers as above, but s1 values to read, r2 rises, r3 their end.
+    .p2align 4
+    .global malleus_scrape_limit_halves
+    .type   malleus_scrape_limit_halves, %function
+malleus_scrape_limit_halves:
+    push    {r4-r11, lr}
+    vmov    s0, r0
+    ldr     r12, [sp, #36]
+    vmov    s1, r12
+    ldm     r0, {r4-r8}
+1:  vmov    r12, s1
+    ldr     r9, [r12], #4
+    ldr     r10, [r12], #4
+    vmov    s1, r12
+    add     r4, r4, r5
+    limit_argument r9, r11
+    limit_argument r10, lr
+    limit_both
+    asr     r12, r12, #1
+    add     r12, r12, r0, asr #1
+    add     r6, r6, r7
+    smmlar  r12, r12, r6, r8
+    str     r12, [r2], #4
+    cmp     r2, r3
+    bne     1b
+    vmov    r0, s0
+    str     r4, [r0]
+    str     r6, [r0, #8]
+    pop     {r4-r11, pc}
+    .size   malleus_scrape_limit_halves, . - malleus_scrape_limit_halves
+
+@ Four taps for four outputs. The last product of a tap for the fourth output waits for its value,
+@ so that loads come four in a row, 5 cycles for 8 products.
+    .macro smooth_taps
+    ldr.w   r10, [r0], #4
+    ldr.w   r11, [r0], #4
+    ldr.w   r2, [r1], #4
+    ldr.w   r3, [r1], #4
+    smmlar  r7, r10, r12, r7
+    smmlar  r4, r8, r2, r4
+    smmlar  r5, r9, r2, r5
+    smmlar  r6, r10, r2, r6
+    smmlar  r7, r11, r2, r7
+    smmlar  r4, r9, r3, r4
+    smmlar  r5, r10, r3, r5
+    smmlar  r6, r11, r3, r6
+    ldr.w   r8, [r0], #4
+    ldr.w   r9, [r0], #4
+    ldr.w   r2, [r1], #4
+    ldr.w   r12, [r1], #4
+    smmlar  r7, r8, r3, r7
+    smmlar  r4, r10, r2, r4
+    smmlar  r5, r11, r2, r5
+    smmlar  r6, r8, r2, r6
+    smmlar  r7, r9, r2, r7
+    smmlar  r4, r11, r12, r4
+    smmlar  r5, r8, r12, r5
+    smmlar  r6, r9, r12, r6
     .endm
 
-@ Registers: r0 window, r1 taps, r2 outputs, r3 end of the taps, r4-r7 sums, r8-r11 window of four
-@ values, r12 tap, lr end of the outputs; on the stack the begins of the window and of the taps.
+@ Registers: r0 window, r1 taps, r2, r3 and r12 taps, r4-r7 sums, r8-r11 window of four values,
+@ lr outputs; s0 the first of the taps' steps that runs, s1 taps, s2 window, s3 end of the outputs.
     .p2align 4
     .global malleus_scrape_smooth
     .type   malleus_scrape_smooth, %function
 malleus_scrape_smooth:
     push    {r4-r11, lr}
-    add     lr, r2, #128
-    push    {r0, r1}
-1:  ldr     r8, [r0], #4
+    mov     lr, r2
+    sub     r12, r3, r1
+    add     r12, r12, r12, lsl #1
+    ldr     r2, =2f + 1
+    sub     r2, r2, r12, lsl #1
+    vmov    s0, r2
+    vmov    s1, r1
+    vmov    s2, r0
+    add     r2, lr, #128
+    vmov    s3, r2
+1:  vmov    r0, s2
+    vmov    r1, s1
+    vmov    r2, s0
+    ldr     r8, [r0], #4
     ldr     r9, [r0], #4
-    ldr     r10, [r0], #4
+    add     r3, r0, #8
+    vmov    s2, r3
     movs    r4, #0
     movs    r5, #0
     movs    r6, #0
     movs    r7, #0
-2:  smooth_tap r8, r9, r10, r11
-    smooth_tap r9, r10, r11, r8
-    smooth_tap r10, r11, r8, r9
-    smooth_tap r11, r8, r9, r10
-    cmp     r1, r3
-    bne     2b
+    mov     r12, #0
+    bx      r2
+    .rept   16
+    smooth_taps
+    .endr
+2:  ldr     r10, [r0]
+    vmov    r2, s3
+    smmlar  r7, r10, r12, r7
     lsls    r4, r4, #1
     lsls    r5, r5, #1
     lsls    r6, r6, #1
     lsls    r7, r7, #1
-    stm     r2!, {r4-r7}
-    ldrd    r0, r1, [sp]
-    adds    r0, r0, #16
-    str     r0, [sp]
-    cmp     r2, lr
+    stm     lr!, {r4-r7}
+    cmp     lr, r2
     bne     1b
-    add     sp, sp, #8
     pop     {r4-r11, pc}
+    .ltorg
     .size   malleus_scrape_smooth, . - malleus_scrape_smooth
+
+@ The slope behind a frame, and the force before its shift, in r0.
+    .macro add_frame
+    ldr     r0, [r1]
+    smlal   r2, r3, r3, r5
+    smlal   r2, r3, r0, r4
+    ssat    r3, #31, r3
+    add     r8, r8, r9
+    str     r3, [r10], #4
+    smmul   r12, r3, r8
+    add     r6, r6, r7
+    eor     r11, r12, r12, asr #31
+    sub     r12, r11, r12, asr #31
+    smmla   r0, r0, r6, r12
+    .endm
+
+@ The force from rises.
+@ Registers: r0 frame, r1 frames, r2 and r3 slope, r4 gain, r5 leak, r6 vertical gain, r7 its step,
+@ r8 horizontal gain, r9 its step, r10 slopes, lr shift; s0 gains of the tick, s1 end of the frames.
+    .p2align 4
+    .global malleus_scrape_add_up
+    .type   malleus_scrape_add_up, %function
+malleus_scrape_add_up:
+    push    {r4-r11, lr}
+    vmov    s0, r0
+    add     lr, r1, #128
+    vmov    s1, lr
+    mov     r10, r2
+    ldr     lr, [r0, #36]
+    ldm     r0, {r2-r9}
+    cmp     lr, #0
+    bne     3f
+    vmov    lr, s0
+    ldr     lr, [lr, #32]
+1:  add_frame
+    asr     r0, r0, lr
+    str     r0, [r1], #4
+    add_frame
+    vmov    r12, s1
+    asr     r0, r0, lr
+    str     r0, [r1], #4
+    cmp     r1, r12
+    bne     1b
+2:  vmov    r0, s0
+    strd    r2, r3, [r0]
+    pop     {r4-r11, pc}
+3:  add_frame
+    lsl     r12, r0, lr
+    asr     r11, r12, lr
+    cmp     r11, r0
+    bne     5f
+4:  str     r12, [r1], #4
+    vmov    r12, s1
+    cmp     r1, r12
+    bne     3b
+    b       2b
+5:  asr     r12, r0, #31
+    mvn     r12, r12
+    eor     r12, r12, #0x80000000
+    b       4b
+    .size   malleus_scrape_add_up, . - malleus_scrape_add_up

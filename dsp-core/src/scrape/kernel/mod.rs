@@ -2,32 +2,56 @@
 
 #[cfg(cortex_m4f)]
 mod cortex_m4;
+pub(super) mod map;
 #[cfg(not(cortex_m4f))]
 mod portable;
+pub(super) mod roll;
+pub(super) mod slope;
 
 use super::ramp::Ramp;
-use crate::table::layout::CURVATURES;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{filter, limit, read, read_map};
+pub(super) use cortex_m4::{add_up, filter, limit, limit_halves, read};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{filter, limit, read, read_map};
+pub(super) use portable::{add_up, filter, limit, limit_halves, read};
 
 /// Taps come in whole steps of so many; the last ones may be 0.
 pub(super) const TAPS: usize = 4;
 /// Outputs that are computed at once.
 const OUTPUTS: usize = 4;
 
-/// Weights of a map's curvatures over a tick, Q30: c², c s and s² in the direction (c, s).
-pub(super) type Directions = [Ramp; CURVATURES];
+/// Value that [`read`] gives for a coefficient of 1 everywhere: the spline's 6, and 8 for the third
+/// power of a half.
+pub(super) const ONE: i32 = 48 << 9;
 
-/// Value that [`read_map`] gives for a curvature of 1 unit: 36 for the splines of both directions.
-pub(super) const MAP_ONE: i32 = 36 << 9;
+/// Places of less than half a point between one and the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Course {
+    /// Place before the first one, Q32 points of the table, from 0 to its end.
+    pub(super) place: i64,
+    /// Way to each place, Q32: it grows by the step before it is gone. It may wrap before the first
+    /// step.
+    pub(super) speed: i32,
+    pub(super) step: i32,
+}
 
-/// Begin of a column's sum in [`read_map`]: 2 for the shift by 2 bits, and 4 for what the products
-/// lose, on average 2 in an axis's direction and 6 in others. Left out, it would be a slope of the
-/// surface, and pile up in that of the path.
-const MAP_ROUNDING: i32 = 6;
+/// Gains and slope of a tick.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct Adding {
+    /// Slope S' of the path, with 32 bits more than its own.
+    pub(super) slope: i64,
+    /// From rises to the slope.
+    pub(super) gain: i32,
+    /// Share of the slope that is lost in a frame, Q32, with its sign.
+    pub(super) less: i32,
+    /// From rises, and from slopes, to the force before its shift.
+    pub(super) vertical: Ramp,
+    pub(super) horizontal: Ramp,
+    /// Shift of the force to the right, 0 to 31, or to the left; one of them is 0.
+    pub(super) right: u32,
+    pub(super) left: u32,
+}
 
 /// Limits and rises of a tick.
 #[derive(Clone, Debug)]
@@ -37,6 +61,6 @@ pub(super) struct Limited {
     pub(super) factor: Ramp,
     /// From tanh to the rise of a frame, Q32 of its unit: at most a quarter.
     pub(super) rise: Ramp,
-    /// Mean rise, which is left out, Q31.
-    pub(super) mean: i32,
+    /// Mean rise, which is left out, Q31, with its sign turned.
+    pub(super) less: i32,
 }
