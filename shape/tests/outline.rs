@@ -109,6 +109,54 @@ fn a_drawn_circle_is_sixteen_curves_and_its_area_right_to_a_millionth() {
 }
 
 #[test]
+fn drawn_ellipses_and_arcs_have_areas_right_to_a_millionth() {
+    // Shape, area in square millimetres, number of sides.
+    let drawings = [
+        (r#"<ellipse cx="60" cy="70" rx="50" ry="20"/>"#, 1000.0 * PI, 16),
+        (r#"<ellipse cx="60" cy="70" rx="2" ry="50"/>"#, 100.0 * PI, 16),
+        (r#"<g transform="rotate(20) skewX(30) scale(1 0.5)"><circle cx="60" cy="70" r="50"/></g>"#, 1250.0 * PI, 16),
+        // A reader parts an ellipse as large into eight cubics.
+        (r#"<ellipse cx="600" cy="700" rx="500" ry="200"/>"#, 1e5 * PI, 16),
+        (r#"<path d="M10 70 A50 20 0 0 0 110 70 Z"/>"#, 500.0 * PI, 9),
+        (r#"<path d="M10 70 A50 20 0 0 0 110 70 L60 70 L60 50 A50 20 0 0 0 10 70 Z"/>"#, 750.0 * PI, 14),
+        // From 60 degrees before an end of the ellipse to 60 degrees after it, and a chord.
+        (r#"<path d="M85 52.679492 A50 20 0 0 1 85 87.320508 Z"/>"#, 1000.0 * (PI / 3.0 - 0.75_f64.sqrt() / 2.0), 7),
+    ];
+    for (shape, area, sides) in drawings {
+        let outline = drawn(shape).unwrap();
+        let off = outline.area() / (1e-6 * area) - 1.0;
+        println!("{shape}: {} sides, {off:.1e}", outline.rings[0].len());
+        assert!(off.abs() < 1e-6, "{shape}: {off}");
+        assert_eq!(outline.rings[0].len(), sides, "{shape}");
+    }
+}
+
+#[test]
+fn cubics_of_quarter_ellipses_are_taken_back_without_a_command_that_names_them() {
+    let quarters = "M110,70 C110,81.0456950 87.6142375,90 60,90 S10,81.0456950 10,70 \
+        S32.3857625,50 60,50 S110,58.9543050 110,70 Z";
+    let outline = drawn(&format!(r#"<path d="{quarters}"/>"#)).unwrap();
+    assert_eq!(outline.rings[0].len(), 16);
+    assert!((outline.area() / (1e-3 * PI) - 1.0).abs() < 1e-6, "{}", outline.area());
+}
+
+#[test]
+fn curves_that_are_no_arcs_stay_as_they_are_drawn() {
+    // A symmetric curve, whose control points are parallel to its ends, is near an ellipse.
+    for (curve, area) in [
+        ("M10 10 C60 60 120 60 170 10 Z", 4050.0),
+        ("M10 10 C10 50 170 50 170 10 Z", 3840.0),
+        ("M10 10 C40 60 110 70 170 10 Z", 4560.0),
+    ] {
+        let outline = drawn(&format!(r#"<path d="{curve}"/>"#)).unwrap();
+        assert_eq!(outline.rings[0].len(), 2, "{curve}");
+        assert!((outline.area() / (1e-6 * area) - 1.0).abs() < 1e-6, "{curve}: {}", outline.area());
+    }
+    let rounded = drawn(r#"<rect x="10" y="10" width="150" height="60" rx="12"/>"#).unwrap();
+    assert_eq!(rounded.rings[0].len(), 8, "small corners stay");
+}
+
+#[test]
 fn shapes_inside_the_largest_one_are_holes() {
     let plate = drawn(r#"<circle cx="30" cy="30" r="5"/><rect x="10" y="10" width="100" height="50"/>"#).unwrap();
     assert_eq!(plate.rings.len(), 2);
