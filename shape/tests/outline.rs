@@ -188,6 +188,36 @@ fn quadratic_curves_keep_their_area() {
 }
 
 #[test]
+fn curves_that_cross_near_their_common_corner_or_themselves_are_named() {
+    for path in [
+        // Beyond the upright side by 0.3 of 160 units, within the first hundredth of the curve.
+        "M10 90 L10 40 C9.7 80 150 80 170 40 L170 90 Z",
+        // Loops.
+        "M10 10 C190 60 -10 60 170 10 L170 120 L10 120 Z",
+        "M10 10 C171 60 9 60 170 10 L170 120 L10 120 Z",
+        // Two curves whose middles overlap by 0.02 units.
+        "M10 10 C10 50 170 50 170 10 L170 69.98 C170 29.98 10 29.98 10 69.98 Z",
+    ] {
+        let found = drawn(&format!(r#"<path d="{path}"/>"#));
+        assert!(matches!(found, Err(OutlineError::Crosses { ring: 0, .. })), "{path}: {found:?}");
+    }
+}
+
+#[test]
+fn curves_that_nearly_touch_are_a_body() {
+    for path in [
+        // Between the middles of two curves 0.02 units are left.
+        "M10 10 C10 50 170 50 170 10 L170 70.02 C170 30.02 10 30.02 10 70.02 Z",
+        // A crescent, 0.02 units wide where it is widest.
+        "M10 100 A90 90 0 0 1 190 100 L189.99 100 A89.99 89.99 0 0 0 10.01 100 Z",
+        // A tip between two arcs that have one tangent there.
+        "M10 100 A90 90 0 0 1 190 100 A80 80 0 0 0 30 100 L10 100 Z",
+    ] {
+        drawn(&format!(r#"<path d="{path}"/>"#)).unwrap();
+    }
+}
+
+#[test]
 fn drawings_that_are_no_body_are_named() {
     assert!(matches!(drawn(r#"<path d="M0 0 L20 0 L0 10"/>"#), Err(OutlineError::OpenPath { path: 0, .. })));
     assert_eq!(drawn(""), Err(OutlineError::NoPath));
