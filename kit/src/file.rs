@@ -54,26 +54,83 @@ pub fn read_whole(path: &Path) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// [`FileError`] with the path and the reason. No new file is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    try_write(path, bytes).map_err(|cause| FileError { action: "written", path: path.to_owned(), cause })
+    write_together(&[(path, bytes)])
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let existing = fs::metadata(path).ok();
-    if existing.as_ref().is_some_and(|there| !there.is_file()) {
-        return OpenOptions::new().write(true).open(path)?.write_all(bytes);
+/// Writes several files as [`write_whole`] does: the first one gets its name when the bytes of all
+/// are on the disk.
+///
+/// # Errors
+/// [`FileError`] with the first path that cannot be written, and the reason. No new file is left
+/// behind, and no old one changed, unless a rename fails after another one.
+pub fn write_together(files: &[(&Path, &[u8])]) -> Result<(), FileError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |cause| FileError { action: "written", path, cause }
+    };
+    let stage = |&(path, bytes): &(&Path, &[u8])| Staged::new(path, bytes).map_err(failed(path));
+    let staged = files.iter().map(stage).collect::<Result<Vec<Staged>, FileError>>()?;
+    staged.into_iter().zip(files).try_for_each(|(staged, (path, bytes))| staged.place(bytes).map_err(failed(path)))
+}
+
+/// Checks that a file can be written: that its folder exists and takes files, and that the path
+/// leads to no folder. Leaves nothing behind. Pipes and terminals are not opened.
+///
+/// # Errors
+/// [`FileError`] with the path and the reason.
+pub fn check_writable(path: &Path) -> Result<(), FileError> {
+    let checked = match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => Ok(()),
+        _ => Staged::new(path, &[]).map(drop),
+    };
+    checked.map_err(|cause| FileError { action: "written", path: path.to_owned(), cause })
+}
+
+/// File whose bytes are on the disk under another name, which is removed unless it is placed.
+enum Staged {
+    Beside {
+        beside: PathBuf,
+        target: PathBuf,
+    },
+    /// Pipe or terminal.
+    Open(File),
+}
+
+impl Staged {
+    fn new(path: &Path, bytes: &[u8]) -> io::Result<Self> {
+        let existing = fs::metadata(path).ok();
+        if existing.as_ref().is_some_and(|there| !there.is_file()) {
+            return Ok(Self::Open(OpenOptions::new().write(true).open(path)?));
+        }
+        let target = if existing.is_some() { fs::canonicalize(path)? } else { path.to_owned() };
+        let (beside, mut file) = create_beside(&target)?;
+        let staged = Self::Beside { beside, target };
+        file.write_all(bytes)?;
+        if let Some(there) = existing {
+            file.set_permissions(there.permissions())?;
+        }
+        file.sync_all()?;
+        Ok(staged)
     }
-    let target = if existing.is_some() { fs::canonicalize(path)? } else { path.to_owned() };
-    let (beside, mut file) = create_beside(&target)?;
-    let written = file
-        .write_all(bytes)
-        .and_then(|()| existing.map_or(Ok(()), |there| file.set_permissions(there.permissions())))
-        .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&beside, &target));
-    if written.is_err() {
-        // The first error is reported. If removing fails, too, its cause is the same.
-        let _ = fs::remove_file(&beside);
+
+    /// Gives the file its name, or a pipe its bytes.
+    fn place(mut self, bytes: &[u8]) -> io::Result<()> {
+        match &mut self {
+            Self::Beside { beside, target } => fs::rename(beside, target),
+            Self::Open(file) => file.write_all(bytes),
+        }
     }
-    written
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if let Self::Beside { beside, .. } = self {
+            // After a rename there is nothing to remove. The first error of a failure is reported;
+            // if removing fails, too, its cause is the same.
+            let _ = fs::remove_file(beside);
+        }
+    }
 }
 
 /// Creates a new file in the folder of `target`, under a name that no other process or thread uses.
@@ -88,5 +145,33 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_are_written_together_stay_as_they_were_if_one_cannot_be() {
+        let folder = std::env::temp_dir().join(format!("malleus-together-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("made");
+        let (old, new, missing) = (folder.join("old"), folder.join("new"), folder.join("missing/file"));
+        fs::write(&old, "old").expect("written");
+        let names = || fs::read_dir(&folder).expect("a folder").count();
+        for last in [missing.as_path(), folder.as_path()] {
+            let files: [(&Path, &[u8]); 3] = [(&old, b"changed"), (&new, b"new"), (last, b"never")];
+            assert_eq!(write_together(&files).expect_err("refused").path, last);
+            assert_eq!((fs::read(&old).expect("there"), names()), (b"old".to_vec(), 1));
+            assert!(check_writable(last).is_err());
+        }
+        assert!(check_writable(&old).is_ok() && check_writable(&new).is_ok());
+        assert_eq!((fs::read(&old).expect("there"), names()), (b"old".to_vec(), 1));
+        write_together(&[(&old, b"changed"), (&new, b"new")]).expect("written");
+        assert_eq!(
+            (fs::read(&old).expect("there"), fs::read(&new).expect("there"), names()),
+            (b"changed".to_vec(), b"new".to_vec(), 2)
+        );
+        fs::remove_dir_all(&folder).expect("removed");
     }
 }

@@ -109,6 +109,54 @@ fn a_drawn_circle_is_sixteen_curves_and_its_area_right_to_a_millionth() {
 }
 
 #[test]
+fn drawn_ellipses_and_arcs_have_areas_right_to_a_millionth() {
+    // Shape, area in square millimetres, number of sides.
+    let drawings = [
+        (r#"<ellipse cx="60" cy="70" rx="50" ry="20"/>"#, 1000.0 * PI, 16),
+        (r#"<ellipse cx="60" cy="70" rx="2" ry="50"/>"#, 100.0 * PI, 16),
+        (r#"<g transform="rotate(20) skewX(30) scale(1 0.5)"><circle cx="60" cy="70" r="50"/></g>"#, 1250.0 * PI, 16),
+        // A reader parts an ellipse as large into eight cubics.
+        (r#"<ellipse cx="600" cy="700" rx="500" ry="200"/>"#, 1e5 * PI, 16),
+        (r#"<path d="M10 70 A50 20 0 0 0 110 70 Z"/>"#, 500.0 * PI, 9),
+        (r#"<path d="M10 70 A50 20 0 0 0 110 70 L60 70 L60 50 A50 20 0 0 0 10 70 Z"/>"#, 750.0 * PI, 14),
+        // From 60 degrees before an end of the ellipse to 60 degrees after it, and a chord.
+        (r#"<path d="M85 52.679492 A50 20 0 0 1 85 87.320508 Z"/>"#, 1000.0 * (PI / 3.0 - 0.75_f64.sqrt() / 2.0), 7),
+    ];
+    for (shape, area, sides) in drawings {
+        let outline = drawn(shape).unwrap();
+        let off = outline.area() / (1e-6 * area) - 1.0;
+        println!("{shape}: {} sides, {off:.1e}", outline.rings[0].len());
+        assert!(off.abs() < 1e-6, "{shape}: {off}");
+        assert_eq!(outline.rings[0].len(), sides, "{shape}");
+    }
+}
+
+#[test]
+fn cubics_of_quarter_ellipses_are_taken_back_without_a_command_that_names_them() {
+    let quarters = "M110,70 C110,81.0456950 87.6142375,90 60,90 S10,81.0456950 10,70 \
+        S32.3857625,50 60,50 S110,58.9543050 110,70 Z";
+    let outline = drawn(&format!(r#"<path d="{quarters}"/>"#)).unwrap();
+    assert_eq!(outline.rings[0].len(), 16);
+    assert!((outline.area() / (1e-3 * PI) - 1.0).abs() < 1e-6, "{}", outline.area());
+}
+
+#[test]
+fn curves_that_are_no_arcs_stay_as_they_are_drawn() {
+    // A symmetric curve, whose control points are parallel to its ends, is near an ellipse.
+    for (curve, area) in [
+        ("M10 10 C60 60 120 60 170 10 Z", 4050.0),
+        ("M10 10 C10 50 170 50 170 10 Z", 3840.0),
+        ("M10 10 C40 60 110 70 170 10 Z", 4560.0),
+    ] {
+        let outline = drawn(&format!(r#"<path d="{curve}"/>"#)).unwrap();
+        assert_eq!(outline.rings[0].len(), 2, "{curve}");
+        assert!((outline.area() / (1e-6 * area) - 1.0).abs() < 1e-6, "{curve}: {}", outline.area());
+    }
+    let rounded = drawn(r#"<rect x="10" y="10" width="150" height="60" rx="12"/>"#).unwrap();
+    assert_eq!(rounded.rings[0].len(), 8, "small corners stay");
+}
+
+#[test]
 fn shapes_inside_the_largest_one_are_holes() {
     let plate = drawn(r#"<circle cx="30" cy="30" r="5"/><rect x="10" y="10" width="100" height="50"/>"#).unwrap();
     assert_eq!(plate.rings.len(), 2);
@@ -137,6 +185,36 @@ fn transforms_and_view_boxes_are_applied() {
 fn quadratic_curves_keep_their_area() {
     let lens = drawn(r#"<path d="M0 0 Q30 60 60 0 Z"/>"#).unwrap();
     assert!((lens.area() - 2.0 / 3.0 * 0.06 * 0.03).abs() < 1e-9);
+}
+
+#[test]
+fn curves_that_cross_near_their_common_corner_or_themselves_are_named() {
+    for path in [
+        // Beyond the upright side by 0.3 of 160 units, within the first hundredth of the curve.
+        "M10 90 L10 40 C9.7 80 150 80 170 40 L170 90 Z",
+        // Loops.
+        "M10 10 C190 60 -10 60 170 10 L170 120 L10 120 Z",
+        "M10 10 C171 60 9 60 170 10 L170 120 L10 120 Z",
+        // Two curves whose middles overlap by 0.02 units.
+        "M10 10 C10 50 170 50 170 10 L170 69.98 C170 29.98 10 29.98 10 69.98 Z",
+    ] {
+        let found = drawn(&format!(r#"<path d="{path}"/>"#));
+        assert!(matches!(found, Err(OutlineError::Crosses { ring: 0, .. })), "{path}: {found:?}");
+    }
+}
+
+#[test]
+fn curves_that_nearly_touch_are_a_body() {
+    for path in [
+        // Between the middles of two curves 0.02 units are left.
+        "M10 10 C10 50 170 50 170 10 L170 70.02 C170 30.02 10 30.02 10 70.02 Z",
+        // A crescent, 0.02 units wide where it is widest.
+        "M10 100 A90 90 0 0 1 190 100 L189.99 100 A89.99 89.99 0 0 0 10.01 100 Z",
+        // A tip between two arcs that have one tangent there.
+        "M10 100 A90 90 0 0 1 190 100 A80 80 0 0 0 30 100 L10 100 Z",
+    ] {
+        drawn(&format!(r#"<path d="{path}"/>"#)).unwrap();
+    }
 }
 
 #[test]

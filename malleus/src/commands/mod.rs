@@ -25,6 +25,7 @@ mod separate_tables;
 pub(crate) mod shape;
 mod shape_benchmarks;
 mod shape_materials;
+mod shape_outputs;
 mod shape_report;
 mod shape_sound;
 mod shape_undercut;

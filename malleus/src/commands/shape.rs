@@ -9,7 +9,8 @@ use ::shape::surface::Surface;
 use serde::Serialize;
 
 use super::error::CommandError;
-use super::output::{print, print_json, progress, refuse_input};
+use super::output::{print, print_json, progress};
+use super::shape_outputs::Outputs;
 use super::shape_undercut::{self, UndercutReport};
 use crate::arguments::ShapeArguments;
 
@@ -89,26 +90,18 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
             false => super::shape_benchmarks::run(arguments.error, arguments.json),
         };
     };
-    let outputs = [Some(output), arguments.render.as_ref(), arguments.tuned.as_ref()];
-    let outputs: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
-    for (number, written) in outputs.iter().enumerate() {
-        refuse_input(written, [input.as_path()])?;
-        if outputs.iter().take(number).any(|other| other == written) {
-            return Err(CommandError::SameOutput { output: written.to_path_buf() });
-        }
-    }
-    if let Some(folder) = &arguments.report {
-        super::shape_report::check(folder)?;
-    }
+    let outputs = Outputs::check(arguments, input, output)?;
+    let wanted = wanted(arguments)?;
     let bytes = ::kit::file::read_whole(input)?;
     let text = String::from_utf8(bytes).map_err(|_| ShapeError::NoText { path: input.clone() })?;
     let undercut = shape_undercut::find(input, &text, arguments)?;
     let text = undercut.as_ref().map_or(text, |tuned| tuned.text.clone());
     let file = ShapeFile::parse(&text).map_err(|error| ShapeError::File { path: input.clone(), error })?;
+    outputs.refuse_named(input, &file)?;
     let body = body(input, &file)?;
     let measured = decays(input, &file)?;
     let bar = progress(STEPS, "finding the modes");
-    let solved = solve::solve(&file, body.geometry(), measured, wanted(arguments)?, arguments.error, &mut |step| {
+    let solved = solve::solve(&file, body.geometry(), measured, wanted, arguments.error, &mut |step| {
         bar.set_position(step as u64);
     });
     bar.finish_and_clear();
@@ -117,21 +110,19 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
     let source = arguments.tuned.as_ref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy();
     let table = ::shape::table::of(&solved, &file, &format!("{source} (malleus shape)"), &arguments.licence);
     ::kit::binary::build(&table)?;
-    if let Some(tuned) = &arguments.tuned {
-        ::kit::file::write_whole(tuned, text.as_bytes())?;
-    }
-    ::kit::file::write_whole(output, ::kit::text::write(&table).as_bytes())?;
+    let positions = solved.modes.first().map_or(1, |mode| mode.gains.len());
+    let of_tuned = arguments.tuned.as_ref().map(|tuned| (tuned.as_path(), text.into_bytes()));
+    let mut files: Vec<(&Path, Vec<u8>)> = of_tuned.into_iter().collect();
+    files.push((output, ::kit::text::write(&table).into_bytes()));
     if let Some(sound) = &arguments.render {
-        super::shape_sound::write(
-            sound,
-            output,
-            table.clone(),
-            solved.modes.first().map_or(1, |mode| mode.gains.len()),
-        )?;
+        files.push((sound, super::shape_sound::file(sound, output, table.clone(), positions)?));
     }
-    let write_page = |folder: &PathBuf| super::shape_report::write(folder, arguments, &file, table, &solved);
-    let page = arguments.report.as_ref().map(write_page).transpose()?;
-    let mut report = report(input, output, page.as_deref(), &solved);
+    if let Some(page) = &outputs.page {
+        files.push((page, super::shape_report::page(page, arguments, &file, table, &solved)?.into_bytes()));
+    }
+    outputs.write(&files)?;
+    let page = outputs.page.as_deref();
+    let mut report = report(input, output, page, &solved);
     report.undercut = undercut.as_ref().map(UndercutReport::of);
     if arguments.json { print_json(&report) } else { print(&as_text(&report)) }
 }

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use ::kit::file::FileError;
 use ::shape::file::ShapeFile;
 use ::shape::solve::Solved;
-use malleus::report::{SHAPE_PAGE_FILE, ShapePage, is_shape_page, write_shape_page};
+use malleus::report::{SHAPE_PAGE_FILE, ShapePage, is_shape_page, shape_html};
 
 use super::error::CommandError;
 use super::output::progress;
@@ -12,28 +13,48 @@ use super::shape::ShapeError;
 use super::shape_sound;
 use crate::arguments::ShapeArguments;
 
-/// Checks that a page can be written into a folder, before anything is solved.
+/// Checks that a page can be written into a folder, before anything is solved; returns the path of
+/// the page.
 ///
 /// # Errors
-/// [`ShapeError`] if the folder is a file, or holds another page under the same name.
-pub(super) fn check(folder: &Path) -> Result<(), ShapeError> {
-    let there = folder.ancestors().find(|folder| folder.exists());
-    if let Some(file) = there.filter(|folder| !folder.is_dir()) {
-        return Err(ShapeError::ReportIsFile { path: file.to_owned() });
+/// [`ShapeError`] if the folder is a file, or holds another page under the same name, and the
+/// system's reason if the folder cannot be made or written to.
+pub(super) fn check(folder: &Path) -> Result<PathBuf, CommandError> {
+    let there = std::path::absolute(folder).unwrap_or(folder.to_owned());
+    let there = there.ancestors().find(|folder| folder.exists()).unwrap_or(folder);
+    if !there.is_dir() {
+        return Err(ShapeError::ReportIsFile { path: there.to_owned() }.into());
     }
     let page = folder.join(SHAPE_PAGE_FILE);
     let is_other = page.exists() && !std::fs::read_to_string(&page).is_ok_and(|html| is_shape_page(&html));
-    if is_other { Err(ShapeError::OtherPage { path: page }) } else { Ok(()) }
+    if is_other {
+        return Err(ShapeError::OtherPage { path: page }.into());
+    }
+    // No file has this name.
+    let beside = there.join(".malleus-page");
+    let as_folder = |error: FileError| FileError { path: folder.to_owned(), ..error };
+    ::kit::file::check_writable(&beside).map_err(as_folder)?;
+    Ok(page)
 }
 
-/// Writes the page of a shape into a folder, which is made if it does not exist; returns its path.
-pub(super) fn write(
-    folder: &Path,
+/// Makes a folder and those around it; returns the ones that did not exist, the outermost first.
+pub(super) fn make(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let missing = folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+    let mut made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+    made.reverse();
+    let failed = |cause| FileError { action: "made", path: folder.to_owned(), cause };
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    Ok(made)
+}
+
+/// Makes the page of a shape, which is to be written to a path.
+pub(super) fn page(
+    path: &Path,
     arguments: &ShapeArguments,
     file: &ShapeFile,
     table: kit::Kit,
     solved: &Solved,
-) -> Result<PathBuf, CommandError> {
+) -> Result<String, CommandError> {
     let of = |path: &Option<PathBuf>| {
         path.as_deref().and_then(Path::file_name).unwrap_or_default().to_string_lossy().into_owned()
     };
@@ -44,12 +65,6 @@ pub(super) fn write(
     let bar = progress(positions as u64, "rendering the strikes");
     let sounds = shape_sound::strikes(output, table, positions, ring_s, || bar.inc(1))?;
     bar.finish_and_clear();
-    std::fs::create_dir_all(folder).map_err(|cause| ::kit::file::FileError {
-        action: "made",
-        path: folder.to_owned(),
-        cause,
-    })?;
-    let path = folder.join(SHAPE_PAGE_FILE);
     let page = ShapePage {
         name: &file.name,
         file: &of(&arguments.input),
@@ -61,6 +76,5 @@ pub(super) fn write(
         sounds: &sounds,
         rate_hz: shape_sound::RATE_HZ,
     };
-    write_shape_page(&path, &page)?;
-    Ok(path)
+    Ok(shape_html(path, &page)?)
 }

@@ -50,12 +50,12 @@ fn render(table: &Path, binary: &[u8], events: Vec<Event>, frames: usize) -> Res
         .map_err(|error| CommandError::Render { kit: name(), error })
 }
 
-/// Writes the sound of a strike at each of a table's positions, the first one first.
-pub(super) fn write(path: &Path, table: &Path, kit: kit::Kit, positions: usize) -> Result<(), CommandError> {
+/// Makes the bytes of a WAV file of a strike at each of a table's positions, the first one first.
+pub(super) fn file(path: &Path, table: &Path, kit: kit::Kit, positions: usize) -> Result<Vec<u8>, CommandError> {
     let binary = kit::binary::build(&kit_new::playable(kit, table)?)?;
     let events = (0..positions).map(|number| strike(number, positions, number * FRAMES)).collect();
     let frames = render(table, &binary, events, positions * FRAMES)?;
-    Ok(wave::write_stereo(path, RATE, &frames)?)
+    Ok(wave::stereo_bytes(path, RATE, &frames)?)
 }
 
 /// Renders a strike at each position on its own, all at the level at which the loudest one peaks

@@ -24,6 +24,6 @@ mod view;
 pub use error::ReportError;
 pub use index::{INDEX_FILE, write_index};
 pub use page::{Summary, write_page};
-pub use shape_page::{SHAPE_PAGE_FILE, ShapePage, is_shape_page, write_shape_page};
+pub use shape_page::{SHAPE_PAGE_FILE, ShapePage, is_shape_page, shape_html};
 pub use strikes_page::{StrikesPage, write_strikes_page};
 pub use surface_page::{SurfacePage, write_surface_page};

@@ -49,16 +49,16 @@ pub struct ShapePage<'a> {
     pub rate_hz: f64,
 }
 
-/// True for the text of a page that [`write_shape_page`] wrote.
+/// True for the text of a page that [`shape_html`] made.
 pub fn is_shape_page(html: &str) -> bool {
     html.contains(TITLE_ENDS)
 }
 
-/// Writes the page of a shape, whole or not at all.
+/// Makes the page of a shape, which is to be written to a path.
 ///
 /// # Errors
 /// [`ReportError`] with the path of the page.
-pub fn write_shape_page(path: &Path, page: &ShapePage<'_>) -> Result<(), ReportError> {
+pub fn shape_html(path: &Path, page: &ShapePage<'_>) -> Result<String, ReportError> {
     let mut body = format!(
         "<h1>{}</h1>\n<p class=\"muted\">{}{}; shape file {}, table {}</p>\n",
         escaped(page.name),
@@ -75,8 +75,7 @@ pub fn write_shape_page(path: &Path, page: &ShapePage<'_>) -> Result<(), ReportE
     }
     body += &format!("<h2>Modes</h2>\n<div class=\"charts\">\n{}</div>\n", charts(page.solved, page.kind, page.error));
     body += &table(page);
-    let html = document(&format!("{}: shape", page.name), &body);
-    Ok(kit::file::write_whole(path, html.as_bytes())?)
+    Ok(document(&format!("{}: shape", page.name), &body))
 }
 
 fn kind_in_words(kind: Kind) -> &'static str {
@@ -286,10 +285,7 @@ mod tests {
             sounds: &sounds,
             rate_hz: 48_000.0,
         };
-        let folder = tempfile::TempDir::new().expect("a folder");
-        let path = folder.path().join("index.html");
-        write_shape_page(&path, &page).expect("written");
-        let html = std::fs::read_to_string(&path).expect("there");
+        let html = shape_html(Path::new("index.html"), &page).expect("a page");
         assert!(is_shape_page(&html) && !html.contains("The body") && !html.contains(">inf"));
         assert_eq!(html.matches("<audio").count(), 2);
         // Without damping, and on one mesh, there are levels, gains and estimates alone.

@@ -124,13 +124,21 @@ pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
 
 /// Writes 24-bit stereo samples as a WAV file, whole or not at all.
 ///
+/// # Errors
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
+pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<(), WaveError> {
+    Ok(kit::file::write_whole(path, &stereo_bytes(path, rate, frames)?)?)
+}
+
+/// Makes the bytes of a WAV file of 24-bit stereo samples; `path` is named in the error.
+///
 /// The header holds the whole number of Hz nearest to `rate`. It is the plain header of 44 bytes
 /// (format 1, PCM): libraries write 24 bits as "extensible", which simple readers refuse, among
 /// them Python's `wave` before 3.12.
 ///
 /// # Errors
-/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
-pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<(), WaveError> {
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB.
+pub fn stereo_bytes(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<Vec<u8>, WaveError> {
     const BYTES_PER_FRAME: u32 = 6;
     let data_bytes = u32::try_from(frames.len())
         .ok()
@@ -157,7 +165,7 @@ pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Resul
     for sample in frames.iter().flatten() {
         bytes.extend(sample.to_le_bytes().into_iter().take(3));
     }
-    Ok(kit::file::write_whole(path, &bytes)?)
+    Ok(bytes)
 }
 
 /// Writes a mono sound as a WAV file of 32-bit float, full scale 1.0, whole or not at all.

@@ -135,3 +135,70 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         assert!(!folder.path().join("t.toml").exists(), "{words} leaves a file");
     }
 }
+
+/// Names of all that lies in a folder, and the bytes of the files.
+fn contents(folder: &Path) -> Vec<(std::ffi::OsString, Option<Vec<u8>>)> {
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry"));
+    let mut contents: Vec<_> = entries.map(|entry| (entry.file_name(), std::fs::read(entry.path()).ok())).collect();
+    contents.sort();
+    contents
+}
+
+#[test]
+fn an_output_that_cannot_be_written_leaves_all_files_as_they_were() {
+    let folder = with_bar();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::create_dir(path("folder")).expect("made");
+    std::fs::write(path("file"), "a file").expect("written");
+    std::fs::write(path("old.toml"), "an old table").expect("written");
+    let square = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>"#;
+    std::fs::write(path("o.svg"), square).expect("written");
+    let polygon = "polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]";
+    let drawn = BAR.replace(polygon, "outline = \"o.svg\"\nunit_m = 0.01");
+    std::fs::write(path("drawn.toml"), drawn).expect("written");
+    let before = contents(folder.path());
+    for (words, reason) in [
+        ("bar.toml -o folder", "cannot be written"),
+        ("bar.toml -o missing/t.toml", "make its folder first"),
+        ("bar.toml -o t.toml --render folder", "cannot be written"),
+        ("bar.toml -o old.toml --render missing/x.wav", "make its folder first"),
+        ("bar.toml -o old.toml --render file/x.wav", "cannot be written"),
+        ("bar.toml -o old.toml --report file/pages", "is a file"),
+        ("bar.toml -o t.toml --render folder --report pages/of/bar", "cannot be written"),
+        ("bar.toml -o t.toml --render ./t.toml", "one would be lost"),
+        ("bar.toml -o pages/index.html --report pages", "one would be lost"),
+        ("bar.toml -o t.toml --undercut 1:4 --tuned folder", "cannot be written"),
+        ("bar.toml -o t.toml --undercut 1:4 --tuned missing/t.toml", "make its folder first"),
+        ("drawn.toml -o o.svg", "would be lost"),
+        ("drawn.toml -o t.toml --render o.svg", "would be lost"),
+        // No body: the page's folder is not made.
+        ("bar.toml -o t.toml --render x.wav --report pages --error 2", "error"),
+    ] {
+        let done = shape(folder.path(), words);
+        let message = String::from_utf8_lossy(&done.stderr);
+        assert!(!done.status.success() && message.contains(reason), "{words}: {message}");
+        assert!(!message.contains("panicked"), "{words}: {message}");
+        assert!(contents(folder.path()) == before, "{words} changes the folder");
+    }
+    assert_eq!(std::fs::read_dir(path("folder")).expect("a folder").count(), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_in_a_folder_that_takes_no_files_leaves_no_table() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = with_bar();
+    let locked = folder.path().join("locked");
+    std::fs::create_dir(&locked).expect("made");
+    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o555)).expect("locked");
+    if std::fs::write(locked.join("x"), "x").is_ok() {
+        // The system's administrator may write everywhere.
+        return;
+    }
+    for words in ["-o t.toml --render locked/x.wav", "-o t.toml --report locked/pages", "-o t.toml --report locked"] {
+        let done = shape(folder.path(), &format!("bar.toml {words}"));
+        let message = String::from_utf8_lossy(&done.stderr);
+        assert!(!done.status.success() && message.contains("locked"), "{words}: {message}");
+        assert!(!folder.path().join("t.toml").exists(), "{words} leaves a table");
+    }
+}

@@ -2,8 +2,8 @@
 
 use super::boundary::{Chord, angle, unit};
 use crate::outline::Point;
-use crate::outline::check::meeting;
 use crate::outline::side::{between, cross, distance, mix};
+use crate::outline::touch::meeting;
 
 /// Largest turn of a corner that a band goes round, radians.
 const CORNER: f64 = 140.0 / 180.0 * std::f64::consts::PI;

@@ -24,8 +24,13 @@ pub(super) struct Fill {
 type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Fills polygons, the outer one first, with triangles whose edges are at most `size` long; points
-/// that it adds follow those that stand.
-pub(super) fn fill(points: &mut Vec<Point>, polygons: &[Vec<usize>], size: f64) -> Result<Fill, MeshError> {
+/// that it adds follow those that stand. With `may_split` some may lie on the polygons' edges.
+pub(super) fn fill(
+    points: &mut Vec<Point>,
+    polygons: &[Vec<usize>],
+    size: f64,
+    may_split: bool,
+) -> Result<Fill, MeshError> {
     let (mut cdt, mut names) = constrained(points, polygons)?;
     let area: f64 = polygons.iter().map(|polygon| polygon_area(points, polygon)).sum();
     let most = 60.0 * area / (size * size) + 100.0 * names.len() as f64 + 10_000.0;
@@ -36,6 +41,7 @@ pub(super) fn fill(points: &mut Vec<Point>, polygons: &[Vec<usize>], size: f64) 
         .with_max_allowed_area(limit)
         .with_max_additional_vertices(most as usize)
         .with_angle_limit(AngleLimit::from_deg(ANGLE_DEG));
+    let parameters = if may_split { parameters } else { parameters.keep_constraint_edges() };
     let mut outside = vec![];
     for _ in 0..ROUNDS {
         let result = cdt.refine(parameters.clone());

@@ -4,13 +4,20 @@ use super::band::{Band, apart, strip};
 use super::boundary::{Chord, place_nodes, unit};
 use super::fill::fill;
 use super::{BoundaryEdge, Mesh, MeshError, Sizing};
-use crate::outline::check::meeting;
 use crate::outline::side::{between, cross, distance};
+use crate::outline::touch::meeting;
 use crate::outline::{FlatSide, Outline, Point};
 use std::collections::HashMap;
 
 /// Rounds in which nodes are put on curves.
-const ROUNDS: usize = 16;
+const ROUNDS: usize = 40;
+
+/// Rounds in which the triangles may ask for more nodes on curves; where two curves leave a corner
+/// in nearly one direction they would ask for ever more.
+const ASKED: usize = 5;
+
+/// Rounds in which chords that cross are halved.
+const HALVED: usize = 16;
 
 /// Rounds in which all curves may be halved because their chords cannot be triangulated.
 const HALVINGS: usize = 3;
@@ -25,16 +32,12 @@ struct Piece {
 /// Makes a mesh over an outline that has been checked.
 pub(super) fn mesh(outline: &Outline, sides: &[FlatSide], sizing: &Sizing) -> Result<Mesh, MeshError> {
     let mut rings = place_nodes(sides, outline, sizing);
-    for _ in 0..ROUNDS {
-        let nodes = crossed(&rings, sides);
-        if nodes.is_empty() {
-            break;
-        }
-        split(&mut rings, sides, &nodes);
-    }
     for round in 0..=ROUNDS {
+        uncross(&mut rings, sides)?;
         // A band that cannot be enclosed is left out.
-        let made = attempt(&rings, sizing).or_else(|_| attempt(&rings, &Sizing::even(sizing.size_m)));
+        let may_split = round < ASKED || !outline.is_curved();
+        let made = attempt(&rings, sizing, may_split);
+        let made = made.or_else(|_| attempt(&rings, &Sizing::even(sizing.size_m), may_split));
         let (mut points, triangles, pieces) = match made {
             Err(_) if round < HALVINGS && outline.is_curved() => {
                 let all = rings.iter().enumerate().flat_map(|(r, ring)| (0..ring.len()).map(move |k| [r, k]));
@@ -50,7 +53,10 @@ pub(super) fn mesh(outline: &Outline, sides: &[FlatSide], sizing: &Sizing) -> Re
         for piece in &pieces {
             let [r, k] = piece.chord;
             let chord = rings[r][k];
-            if sides[chord.side].curve.is_some() && piece.span[0] > chord.span[0] {
+            let is_curved = sides[chord.side].curve.is_some();
+            // The nodes that straight sides have got by then stay.
+            let is_kept = is_curved || (outline.is_curved() && round + 1 == ASKED);
+            if is_kept && piece.span[0] > chord.span[0] {
                 nodes.entry(piece.chord).or_default().push(piece.span[0]);
                 points[piece.vertices[0]] = sides[chord.side].point(piece.span[0]);
             }
@@ -89,7 +95,23 @@ fn split(rings: &mut [Vec<Chord>], sides: &[FlatSide], nodes: &HashMap<[usize; 2
     }
 }
 
-/// Finds the middles of the curves' chords that cross another chord although the sides do not.
+/// Halves the curves' chords that cross another chord although the sides do not. Sides that cross
+/// by less than the check of outlines sees, in the tip of a corner, keep an error.
+fn uncross(rings: &mut [Vec<Chord>], sides: &[FlatSide]) -> Result<(), MeshError> {
+    for _ in 0..HALVED {
+        let nodes = crossed(rings, sides);
+        if nodes.is_empty() {
+            return Ok(());
+        }
+        split(rings, sides, &nodes);
+    }
+    match crossed(rings, sides).keys().min() {
+        Some(&[r, k]) => Err(MeshError::Curve { at: rings[r][k].from }),
+        None => Ok(()),
+    }
+}
+
+/// Finds the middles of the curves' chords that cross another chord.
 fn crossed(rings: &[Vec<Chord>], sides: &[FlatSide]) -> HashMap<[usize; 2], Vec<f64>> {
     let mut edges = Vec::new();
     for (r, ring) in rings.iter().enumerate() {
@@ -97,10 +119,13 @@ fn crossed(rings: &[Vec<Chord>], sides: &[FlatSide]) -> HashMap<[usize; 2], Vec<
             edges.push(([r, k], [chord.from, ring[(k + 1) % ring.len()].from], chord));
         }
     }
+    let left = |ends: &[Point; 2]| ends[0][0].min(ends[1][0]);
+    edges.sort_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
     let curved = |chord: &Chord| sides[chord.side].curve.is_some();
     let mut nodes = HashMap::new();
     for (first, &(place, ends, chord)) in edges.iter().enumerate() {
-        for &(other, far, near) in &edges[first + 1..] {
+        let right = ends[0][0].max(ends[1][0]);
+        for &(other, far, near) in edges[first + 1..].iter().take_while(|edge| left(&edge.1) <= right) {
             let joined = ends[1] == far[0] || far[1] == ends[0];
             if joined || !(curved(chord) || curved(near)) || apart(ends, far) || meeting(ends, far, 0.0).is_none() {
                 continue;
@@ -130,8 +155,9 @@ fn halves(chord: &Chord, sides: &[FlatSide], at: &[f64]) -> Vec<Chord> {
 
 type Attempt = (Vec<Point>, Vec<[usize; 3]>, Vec<Piece>);
 
-/// Makes the band and what it encloses, over straight chords.
-fn attempt(rings: &[Vec<Chord>], sizing: &Sizing) -> Result<Attempt, MeshError> {
+/// Makes the band and what it encloses, over straight chords, which stay whole unless `may_split`
+/// is true.
+fn attempt(rings: &[Vec<Chord>], sizing: &Sizing, may_split: bool) -> Result<Attempt, MeshError> {
     let mut points = Vec::new();
     let mut names = Vec::with_capacity(rings.len());
     for ring in rings {
@@ -141,7 +167,7 @@ fn attempt(rings: &[Vec<Chord>], sizing: &Sizing) -> Result<Attempt, MeshError> 
     let band = Band::plan(rings, sizing.layer_m);
     let inner = band.inner_rings(&mut points, &names);
     let polygons: Vec<Vec<usize>> = inner.iter().map(|ring| ring.polygon.clone()).collect();
-    let filled = fill(&mut points, &polygons, sizing.size_m)?;
+    let filled = fill(&mut points, &polygons, sizing.size_m, may_split)?;
     let mut triangles = filled.triangles;
     let mut pieces = Vec::new();
     for (r, ring) in rings.iter().enumerate() {

@@ -1,21 +1,21 @@
 //! Outlines from points, and the check that an outline is a body.
 
-use super::side::{between, cross, distance, mix};
-use super::{Outline, OutlineError, Point, Side, reversed, ring_area, ring_contains, ring_sides};
+use super::side::distance;
+use super::touch::{apart, itself, joined};
+use super::{FlatSide, Outline, OutlineError, Point, Side, reversed, ring_area, ring_contains, ring_sides};
 
-/// Chords by which a curved side is checked.
-const CHORDS: usize = 16;
+/// Pieces in which a curved side is checked.
+const PIECES: usize = 16;
 
 /// Share of the body's extent below which a distance counts as a touch.
 const TOUCH: f64 = 1e-9;
 
-/// Chord of a side.
-struct Chord {
-    ring: usize,
+/// Piece of a side.
+struct Piece {
     side: usize,
-    /// Place in the ring's row of chords, and the count of them.
+    /// Place in the ring's row of pieces, and the count of them.
     place: [usize; 2],
-    ends: [Point; 2],
+    flat: FlatSide,
 }
 
 impl Outline {
@@ -69,7 +69,7 @@ impl Outline {
         for (index, ring) in self.rings.iter().enumerate() {
             check_ring(index, ring, extent)?;
         }
-        check_crossings(&self.chords(), TOUCH * extent)?;
+        check_crossings(&self.pieces(), TOUCH * extent)?;
         for (index, ring) in self.rings.iter().enumerate().skip(1) {
             let at = ring[0].from;
             if !ring_contains(&self.rings[0], at) {
@@ -83,22 +83,25 @@ impl Outline {
         Ok(())
     }
 
-    /// Lists the chords of all sides.
-    fn chords(&self) -> Vec<Chord> {
-        let mut chords = Vec::new();
+    /// Lists the pieces of all sides.
+    fn pieces(&self) -> Vec<Piece> {
+        let mut pieces = Vec::new();
         for (ring, sides) in self.rings.iter().enumerate() {
-            let begin = chords.len();
+            let begin = pieces.len();
             for (side, flat) in ring_sides(ring, sides).enumerate() {
-                let count = if flat.curve.is_some() { CHORDS } else { 1 };
+                let count = if flat.curve.is_some() { PIECES } else { 1 };
                 for k in 0..count {
-                    let at = |k: usize| flat.point(k as f64 / count as f64);
-                    chords.push(Chord { ring, side, place: [chords.len() - begin, 0], ends: [at(k), at(k + 1)] });
+                    let at = |k: usize| k as f64 / count as f64;
+                    // Points at one parameter are the same for both pieces that end there.
+                    let (from, to) = (flat.point(at(k)), flat.point(at(k + 1)));
+                    let flat = FlatSide { from, to, ..flat.part(at(k), at(k + 1)) };
+                    pieces.push(Piece { side, place: [pieces.len() - begin, 0], flat });
                 }
             }
-            let count = chords.len() - begin;
-            chords[begin..].iter_mut().for_each(|chord| chord.place[1] = count);
+            let count = pieces.len() - begin;
+            pieces[begin..].iter_mut().for_each(|piece| piece.place[1] = count);
         }
-        chords
+        pieces
     }
 }
 
@@ -134,25 +137,32 @@ fn check_ring(ring: usize, sides: &[Side], extent: f64) -> Result<(), OutlineErr
     if (area > 0.0) == (ring == 0) { Ok(()) } else { Err(OutlineError::WrongWay { ring }) }
 }
 
-/// Checks that no chord crosses or touches another one than its neighbours at their common ends.
-fn check_crossings(chords: &[Chord], tolerance: f64) -> Result<(), OutlineError> {
-    let reach = |chord: &Chord, axis: usize| {
-        let [a, b] = chord.ends.map(|p| p[axis]);
-        [a.min(b) - tolerance, a.max(b) + tolerance]
+/// Checks that no piece crosses or touches itself, or another one than its neighbours at their
+/// common ends.
+fn check_crossings(pieces: &[Piece], tolerance: f64) -> Result<(), OutlineError> {
+    let reach = |piece: &Piece, axis: usize| {
+        let along = piece.flat.controls().map(|p| p[axis]);
+        let [low, high] =
+            [along.iter().copied().fold(f64::MAX, f64::min), along.iter().copied().fold(f64::MIN, f64::max)];
+        [low - tolerance, high + tolerance]
     };
-    let mut order: Vec<usize> = (0..chords.len()).collect();
-    order.sort_by(|&a, &b| reach(&chords[a], 0)[0].total_cmp(&reach(&chords[b], 0)[0]).then(a.cmp(&b)));
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    order.sort_by(|&a, &b| reach(&pieces[a], 0)[0].total_cmp(&reach(&pieces[b], 0)[0]).then(a.cmp(&b)));
     for (place, &first) in order.iter().enumerate() {
-        let [_, right] = reach(&chords[first], 0);
-        let [low, high] = reach(&chords[first], 1);
+        let [_, right] = reach(&pieces[first], 0);
+        let [low, high] = reach(&pieces[first], 1);
+        if let Some(at) = itself(&pieces[first].flat, tolerance) {
+            let Piece { side, flat, .. } = pieces[first];
+            return Err(OutlineError::Crosses { ring: flat.ring, side, other: side, at });
+        }
         for &second in &order[place + 1..] {
-            let [left, _] = reach(&chords[second], 0);
+            let [left, _] = reach(&pieces[second], 0);
             if left > right {
                 break;
             }
-            let [below, above] = reach(&chords[second], 1);
+            let [below, above] = reach(&pieces[second], 1);
             if below <= high && above >= low {
-                let pair = [&chords[first.min(second)], &chords[first.max(second)]];
+                let pair = [&pieces[first.min(second)], &pieces[first.max(second)]];
                 check_pair(pair, tolerance)?;
             }
         }
@@ -160,55 +170,21 @@ fn check_crossings(chords: &[Chord], tolerance: f64) -> Result<(), OutlineError>
     Ok(())
 }
 
-/// Checks that two chords meet at most at their common end.
-fn check_pair([first, second]: [&Chord; 2], tolerance: f64) -> Result<(), OutlineError> {
-    let [[a, b], [c, d]] = [first.ends, second.ends];
+/// Checks that two pieces meet at most at their common end.
+fn check_pair([first, second]: [&Piece; 2], tolerance: f64) -> Result<(), OutlineError> {
+    let (a, b) = (&first.flat, &second.flat);
     let count = first.place[1];
-    let same = first.ring == second.ring;
+    let same = a.ring == b.ring;
     let follows = same && (first.place[0] + 1) % count == second.place[0];
     let precedes = same && (second.place[0] + 1) % count == first.place[0];
-    let meeting = if follows || precedes {
-        let mut far = Vec::new();
-        if follows {
-            far.extend([(a, [c, d]), (d, [a, b])]);
-        }
-        if precedes {
-            far.extend([(b, [c, d]), (c, [a, b])]);
-        }
-        far.into_iter().find(|(point, ends)| gap(*point, *ends) <= tolerance).map(|(point, _)| point)
-    } else {
-        meeting([a, b], [c, d], tolerance)
+    let meeting = match (follows, precedes) {
+        (true, _) => joined(a, b, tolerance).or_else(|| if precedes { joined(b, a, tolerance) } else { None }),
+        (false, true) => joined(b, a, tolerance),
+        (false, false) => apart(a, b, tolerance),
     };
     let Some(at) = meeting else { return Ok(()) };
     if same {
-        return Err(OutlineError::Crosses { ring: first.ring, side: first.side, other: second.side, at });
+        return Err(OutlineError::Crosses { ring: a.ring, side: first.side, other: second.side, at });
     }
-    Err(OutlineError::HoleTouches {
-        ring: second.ring,
-        side: second.side,
-        other: first.ring,
-        other_side: first.side,
-        at,
-    })
-}
-
-/// Gives the distance of a point from a straight line between two ends.
-fn gap(point: Point, ends: [Point; 2]) -> f64 {
-    let way = between(ends[0], ends[1]);
-    let to = between(ends[0], point);
-    let square = way[0] * way[0] + way[1] * way[1];
-    let share = if square > 0.0 { ((to[0] * way[0] + to[1] * way[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-    distance(point, mix(ends[0], ends[1], share))
-}
-
-/// Gives the point in which two straight lines cross or touch.
-pub(crate) fn meeting([a, b]: [Point; 2], [c, d]: [Point; 2], tolerance: f64) -> Option<Point> {
-    let touch = [(a, [c, d]), (b, [c, d]), (c, [a, b]), (d, [a, b])];
-    if let Some((point, _)) = touch.into_iter().find(|(point, ends)| gap(*point, *ends) <= tolerance) {
-        return Some(point);
-    }
-    let side = |p: Point, q: Point, r: Point| cross(between(p, q), between(p, r));
-    let (from, to) = (side(c, d, a), side(c, d, b));
-    let apart = from * to > 0.0 || side(a, b, c) * side(a, b, d) > 0.0;
-    (!apart && from != to).then(|| mix(a, b, from / (from - to)))
+    Err(OutlineError::HoleTouches { ring: b.ring, side: second.side, other: a.ring, other_side: first.side, at })
 }

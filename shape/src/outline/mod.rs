@@ -1,12 +1,13 @@
 //! Outline of a flat body: closed rings of straight and curved sides, in metres.
 
 mod arc;
-pub(crate) mod check;
+mod check;
 mod error;
 mod png;
 pub(crate) mod side;
 mod simple;
 mod svg;
+pub(crate) mod touch;
 
 pub use error::OutlineError;
 pub use side::FlatSide;

@@ -3,6 +3,7 @@
 use super::arc::with_round_arcs;
 use super::side::distance;
 use super::{Outline, OutlineError, Point, Side, ring_area};
+use usvg::roxmltree::{Document, Node, ParsingOptions};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
 /// Share of the drawing's size below which two points are one: drawings are read in 32 bit.
@@ -29,7 +30,10 @@ impl Outline {
         }
         let unreadable = |reason: String| OutlineError::Svg { reason };
         let tree = usvg::Tree::from_str(text, &usvg::Options::default()).map_err(|e| unreadable(e.to_string()))?;
-        let pixels = pixels_per_unit(text, tree.size()).map_err(unreadable)?;
+        let options = ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = Document::parse_with_options(text, options);
+        let document = document.map_err(|error| unreadable(error.to_string()))?;
+        let (pixels, has_arcs) = (pixels_per_unit(&document, tree.size()), document.descendants().any(has_arcs));
         let mut paths = Vec::new();
         collect(tree.root(), &mut paths);
         let scale = unit_m / pixels;
@@ -37,7 +41,7 @@ impl Outline {
         let mut rings = Vec::new();
         for path in &paths {
             for subpath in subpaths(path, scale) {
-                rings.push(with_round_arcs(&close(subpath, rings.len(), SAME * extent)?));
+                rings.push(with_round_arcs(&close(subpath, rings.len(), SAME * extent)?, has_arcs));
             }
         }
         let largest = |a: &usize, b: &usize| ring_area(&rings[*a]).abs().total_cmp(&ring_area(&rings[*b]).abs());
@@ -51,20 +55,28 @@ impl Outline {
 }
 
 /// Gives the pixels per unit of the `viewBox`.
-fn pixels_per_unit(text: &str, size: usvg::Size) -> Result<f64, String> {
-    let options = usvg::roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    let document = usvg::roxmltree::Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
+fn pixels_per_unit(document: &Document<'_>, size: usvg::Size) -> f64 {
     let root = document.root_element();
-    let Some(view) = root.attribute("viewBox") else { return Ok(1.0) };
+    let Some(view) = root.attribute("viewBox") else { return 1.0 };
     let numbers: Vec<f64> =
         view.split([' ', ',', '\t', '\n', '\r']).filter(|word| !word.is_empty()).flat_map(str::parse).collect();
-    let [_, _, width, height] = numbers[..] else { return Ok(1.0) };
+    let [_, _, width, height] = numbers[..] else { return 1.0 };
     let (across, up) = (f64::from(size.width()) / width, f64::from(size.height()) / height);
     if !(across.is_finite() && up.is_finite() && across > 0.0 && up > 0.0) {
-        return Ok(1.0);
+        return 1.0;
     }
     let slice = root.attribute("preserveAspectRatio").is_some_and(|value| value.contains("slice"));
-    Ok(if slice { across.max(up) } else { across.min(up) })
+    if slice { across.max(up) } else { across.min(up) }
+}
+
+/// Tells whether a shape of the drawing has arcs of circles or ellipses.
+fn has_arcs(node: Node<'_, '_>) -> bool {
+    match node.tag_name().name() {
+        "circle" | "ellipse" => true,
+        "rect" => ["rx", "ry"].iter().any(|name| node.has_attribute(*name)),
+        "path" => node.attribute("d").is_some_and(|data| data.contains(['a', 'A'])),
+        _ => false,
+    }
 }
 
 /// Collects the paths that are visible, with their transforms applied.

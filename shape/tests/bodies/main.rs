@@ -4,6 +4,7 @@
 mod truth;
 
 mod boxes;
+mod ellipses;
 mod gains;
 mod pairs;
 mod rounds;

@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub(crate) mod bessel;
+pub(crate) mod ellipse;
 pub(crate) mod kirchhoff;
 pub(crate) mod line;
 pub(crate) mod ritz;
