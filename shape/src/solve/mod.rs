@@ -3,6 +3,7 @@
 mod body;
 mod error;
 mod figure;
+mod levels;
 mod model;
 mod parts;
 mod places;
@@ -20,8 +21,9 @@ use crate::gain::Gain;
 pub use body::Body;
 pub use error::SolveError;
 pub use figure::{Figure, MOST_MODES as MOST_FIGURES, Motion, Tried};
+use levels::{Levels, MOST_MESHES, Searched};
 pub use model::Geometry;
-use model::{Level, Model};
+use model::Model;
 use parts::{Part, Place};
 pub use places::Places;
 use places::Round;
@@ -71,14 +73,6 @@ pub struct Solved {
     pub figure: Option<Figure>,
 }
 
-/// Largest number of meshes, each finer than the one before.
-const MOST_MESHES: usize = 10;
-/// Ratio of a mesh's edges to those of the mesh before.
-const FINER: f64 = 0.7;
-/// Least growth of the number of unknowns from a mesh to the next one.
-const LEAST_GROWTH: f64 = 1.3;
-/// Least number of unknowns of a mesh for each mode that is wanted.
-const LEAST_UNKNOWNS: usize = 6;
 /// Largest number of unknowns, before the size of their factors is known.
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Least share of the error that is asked for that the mesh may have.
@@ -110,28 +104,18 @@ pub fn solve<'a>(
     }
     let model = Model::of(file, geometry.into(), error)?;
     let damping = Damping::of(&file.material, measured);
-    let mut size_m = model.first_size_m(wanted);
+    let mut levels = Levels::new(&model, wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
-    let mut unknowns_before = 0.0;
     let mut meshes = Vec::new();
-    for number in 0..MOST_MESHES {
-        tell(100 * number / MOST_MESHES);
-        let Level { mesh, first, elements } = model.level(size_m)?;
-        let unknowns = first.problem().size;
-        if unknowns > MOST_UNKNOWNS {
-            return Err(SolveError::TooLarge { unknowns });
-        }
-        // A curved outline may have one mesh for both sizes, and a coarse one too few unknowns.
-        let is_coarse = matches!(wanted, Wanted::Lowest(count) if unknowns < LEAST_UNKNOWNS * count);
-        if is_coarse || (unknowns as f64) < LEAST_GROWTH * unknowns_before {
-            size_m *= FINER;
-            continue;
-        }
-        unknowns_before = unknowns as f64;
-        let parts = match parts::find(&model, mesh.as_ref(), first, wanted) {
+    tell(0);
+    let mut pair = levels.first_two()?.into_iter();
+    while let Some(searched) = pair.next().map_or_else(|| levels.search_next(), |searched| Ok(Some(searched)))? {
+        tell(100 * levels.made / MOST_MESHES);
+        let Searched { mesh, elements, unknowns, parts } = searched;
+        let parts = match parts {
             // The error of the mesh before is more use than the size of this one.
             Err(SolveError::Eigen(EigenError::TooLarge { .. })) if before.is_some() => break,
-            found => found?,
+            parts => parts?,
         };
         let mut places = parts::sorted(&parts);
         if let Wanted::Lowest(count) = wanted {
@@ -172,7 +156,6 @@ pub fn solve<'a>(
             });
         }
         before = Some((elastic, estimates));
-        size_m *= FINER;
     }
     let worst = before.map_or(1.0, |(_, estimates)| estimates.iter().copied().fold(0.0, f64::max));
     Err(SolveError::NotConverged { error, reached: worst })

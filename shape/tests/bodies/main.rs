@@ -9,6 +9,7 @@ mod gains;
 mod pairs;
 mod rounds;
 mod thin;
+mod times;
 
 use std::f64::consts::TAU;
 
