@@ -7,7 +7,7 @@ pub struct Built {
     pub biquads: bool,
     /// True if a room can be loaded: 34 KB on a Cortex-M4.
     pub room: bool,
-    /// True if contacts can scrape and roll: 34 KB on a Cortex-M4.
+    /// True if contacts can scrape and roll: 41 KB on a Cortex-M4.
     pub scrapes: bool,
 }
 

@@ -68,8 +68,8 @@ pub(super) struct Roll {
 }
 
 /// Ratio of the highest speed to that of lower speeds: above, slopes are taken as so many times as
-/// large, and saturated. They are nowhere near their limit, which is that of a path that bends one way all
-/// along ten of its shortest waves.
+/// large, and saturated. They are nowhere near their limit, which is that of a path that bends one
+/// way all along ten of its shortest waves.
 const SPEEDS: f32 = 4.0;
 const SPEED_BITS: u32 = 2;
 

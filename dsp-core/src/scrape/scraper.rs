@@ -128,7 +128,7 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 ///
 /// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
 /// -- --nocapture`): 177 at 0.2 m/s, 240 at 0.9 m/s, 249 at 2 m/s; a ball 286; on a map of a
-/// shortest wave of 62 µm 389 at 0.2 m/s, 590 at 0.35 m/s; at rest 8.
+/// shortest wave of 62 µm 389 at 0.2 m/s, 584 at 0.35 m/s; at rest 8.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,

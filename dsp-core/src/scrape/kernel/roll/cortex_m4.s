@@ -71,8 +71,8 @@ malleus_scrape_sink:
     .size   malleus_scrape_sink, . - malleus_scrape_sink
 
 @ Registers: r0 depths, factors 128 bytes behind, r1 force, r2 powers, r3 stiffness, r4 and r5
-@ terms, r6 and r7 what is left out, r8 its share, r9 mantissa and way from the middle, r10 factor, r11
-@ force, r12 zeros and shift, lr terms and product; s0 shift, s1 end of the force, s2 pressing.
+@ terms, r6 and r7 what is left out, r8 its share, r9 mantissa and way from the middle, r10 factor,
+@ r11 force, r12 zeros and shift, lr terms and product; s0 shift, s1 end of the force, s2 pressing.
     .p2align 4
     .global malleus_scrape_press
     .type   malleus_scrape_press, %function
