@@ -75,6 +75,25 @@ fn polygons_that_are_no_body_are_named() {
 }
 
 #[test]
+fn outlines_that_cross_themselves_say_where_though_they_enclose_no_area() {
+    let bow_tie = Outline::polygon(&[[0.0, 0.0], [0.2, 0.1], [0.2, 0.0], [0.0, 0.1]], &[]).unwrap_err();
+    assert_eq!(bow_tie, OutlineError::Crosses { ring: 0, side: 0, other: 2, at: [0.1, 0.05] });
+    let message = bow_tie.to_string();
+    assert!(message.contains("sides 0 and 2") && message.contains("(0.100000, 0.050000) m"), "{message}");
+    let within = |inner: &str, expected: Point| {
+        let Err(OutlineError::Crosses { at, .. }) = drawn(inner) else { panic!("{inner}: {:?}", drawn(inner)) };
+        assert!((at[0] - expected[0]).hypot(at[1] - expected[1]) < 1e-3, "{inner}: {at:?}");
+    };
+    within(r#"<path d="M10 10 L90 50 L90 10 L10 50 Z"/>"#, [0.05, -0.03]);
+    // A figure of eight, and one curve that runs through a loop.
+    within(r#"<path d="M50 50 C0 0 0 100 50 50 C100 0 100 100 50 50 Z"/>"#, [0.05, -0.05]);
+    within(r#"<path d="M10 50 C140 0 -40 0 90 50 Z"/>"#, [0.05, -0.0305]);
+    within(r#"<path d="M50 50 C0 0 0 100 50 50 L90 10 L90 90 Z"/>"#, [0.05, -0.05]);
+    let looped = drawn(r#"<path d="M10 50 C140 0 -40 0 90 50 Z"/>"#).unwrap_err().to_string();
+    assert!(looped.contains("side 0 of ring 0 crosses itself"), "{looped}");
+}
+
+#[test]
 fn an_outline_of_another_origin_must_run_the_right_way() {
     let ring: Vec<Side> = SQUARE.iter().rev().map(|from| Side { from: *from, curve: None }).collect();
     assert_eq!(Outline { rings: vec![ring] }.check(), Err(OutlineError::WrongWay { ring: 0 }));
