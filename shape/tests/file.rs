@@ -1,6 +1,8 @@
 //! Shape files: keys and numbers that are refused by name.
 
 use shape::file::{FileError, ShapeFile};
+use shape::outline::Outline;
+use shape::solve::{self, Wanted};
 
 const PLATE: &str = "format = 1
 name = \"x\"
@@ -162,4 +164,40 @@ fn materials_whose_unit_is_forgotten_are_refused_and_real_ones_pass() {
     assert!(message.contains("160 km/s"), "{message}");
     let shear = "name = \"spruce\"\nshear_modulus_pa = 0.7";
     assert!(refused(&PLATE.replace("name = \"steel\"", shear)).contains("1e3 to 2e12 Pa"));
+}
+
+#[test]
+fn supports_follow_the_sides_of_the_file_though_its_corners_run_clockwise() {
+    let lowest = |corners: &[[f64; 2]], edges: &str| {
+        let text = PLATE.replace("[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]", &format!("{corners:?}"));
+        let file = ShapeFile::parse(&format!("{text}[support]\nedges = {edges}\n")).unwrap();
+        let outline = Outline::polygon(corners, &[]).unwrap();
+        solve::solve(&file, &outline, vec![], Wanted::Lowest(1), 0.02, &mut |_| {}).unwrap().modes[0].frequency_hz
+    };
+    let mut corners = [[0.0, 0.0], [0.2, 0.0], [0.15, 0.1], [0.0, 0.1]];
+    let clamped_below = lowest(&corners, r#"["clamped", "free", "free", "free"]"#);
+    let clamped_left = lowest(&corners, r#"["free", "free", "free", "clamped"]"#);
+    corners.reverse();
+    // From the upper left corner: upper, right, lower and left side.
+    let turned = lowest(&corners, r#"["free", "free", "clamped", "free"]"#);
+    assert!((turned / clamped_below - 1.0).abs() < 1e-3, "{turned} {clamped_below} {clamped_left}");
+    let turned = lowest(&corners, r#"["free", "free", "free", "clamped"]"#);
+    assert!((turned / clamped_left - 1.0).abs() < 1e-3, "{turned} {clamped_below} {clamped_left}");
+    assert!(clamped_below > 2.0 * clamped_left);
+}
+
+#[test]
+fn wrong_number_of_supports_tells_the_sides_of_the_outline_in_their_order() {
+    let text =
+        PLATE.replace("polygon_m = [[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]", "outline = \"a.svg\"\nunit_m = 0.001");
+    let file = ShapeFile::parse(&format!("{text}[support]\nedges = [\"clamped\", \"free\", \"free\"]\n")).unwrap();
+    // A quarter of a disc, with a square hole.
+    let drawing = r#"<svg xmlns="http://www.w3.org/2000/svg" width="200" height="200">
+        <path d="M10 190 H190 A180 180 0 0 0 10 10 Z M40 160 V130 H70 V160 Z"/></svg>"#;
+    let outline = Outline::from_svg(drawing, 0.001).unwrap();
+    let solved = solve::solve(&file, &outline, vec![], Wanted::Lowest(1), 0.1, &mut |_| {});
+    let message = solved.unwrap_err().to_string();
+    let expected =
+        "has 3 entries, and the outline 10 sides: 1 straight, 4 curved, 1 straight; then a hole of 4 straight";
+    assert!(message.contains(expected), "{message}");
 }

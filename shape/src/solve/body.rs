@@ -63,8 +63,11 @@ impl Body {
         let sides = outline.sides().len();
         let whole = if kind == Kind::Membrane { Edge::Clamped } else { Edge::Free };
         let edges = match &file.support.edges {
-            Some(edges) if edges.len() != sides => return Err(SolveError::Edges { given: edges.len(), sides }),
-            Some(edges) => edges.clone(),
+            Some(edges) if edges.len() != sides => {
+                let listed = super::edges::listed(outline);
+                return Err(SolveError::Edges { given: edges.len(), sides, listed });
+            }
+            Some(edges) => super::edges::by_side(file, outline, edges),
             None => vec![file.support.edge.unwrap_or(whole); sides],
         };
         let support = |edge: &Edge| match edge {

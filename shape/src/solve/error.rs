@@ -58,12 +58,14 @@ pub enum SolveError {
     #[error("an error of {0} is asked for; it must be above 0 and below 0.5")]
     Error(f64),
     /// Number of supports that is not that of the sides.
-    #[error("support.edges has {given} entries, and the outline {sides} sides (holes behind the outer ring)")]
+    #[error("support.edges has {given} entries, and the outline {sides} sides: {listed}; give one entry for each")]
     Edges {
         /// Number in the file.
         given: usize,
         /// Number of sides.
         sides: usize,
+        /// Numbers of straight and curved sides, in their order.
+        listed: String,
     },
     /// Size of which no instrument is: a unit that was forgotten.
     #[error(

@@ -1,6 +1,7 @@
 //! From a shape file to modes: the mesh becomes finer until the frequencies stand.
 
 mod body;
+mod edges;
 mod error;
 mod figure;
 mod model;
