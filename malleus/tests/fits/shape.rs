@@ -135,3 +135,7 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         assert!(!folder.path().join("t.toml").exists(), "{words} leaves a file");
     }
 }
+        ("bar.toml -o t.toml --modes 1000000000", "1 to 4096, as many as a table holds"),
+        ("bar.toml -o t.toml --budget 1e12", "at most the 4096 modes"),
+        ("bar.toml -o t.toml --max-hz 1e12", "at most 24000, half the sample rate"),
+        ("bar.toml -o t.toml --max-hz nan", "--max-hz"),

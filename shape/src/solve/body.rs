@@ -6,7 +6,7 @@ use super::places::pieces;
 use super::{SolveError, Wanted};
 use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
 use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
-use crate::mesh::{Mesh, Sizing};
+use crate::mesh::{Mesh, MeshError, Sizing};
 use crate::outline::{FlatSide, Outline};
 
 /// Extents of bodies, metres: others are units that were forgotten.
@@ -177,7 +177,11 @@ impl Body {
         let layered = self.supports.iter().map(|&support| self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
         let sizing = Sizing { size_m, layer_m, layered: layered.collect() };
-        Ok(Mesh::over(&self.outline, &sizing)?)
+        Mesh::over(&self.outline, &sizing).map_err(|error| match error {
+            // The size follows from the modes that are wanted.
+            MeshError::TooFine { triangles, most, .. } => SolveError::TooFine { triangles, most },
+            other => other.into(),
+        })
     }
 
     /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.

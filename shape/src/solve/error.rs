@@ -131,6 +131,16 @@ pub enum SolveError {
         /// Number of unknowns.
         unknowns: usize,
     },
+    /// Mesh of more triangles than are made.
+    #[error(
+        "the modes would take about {triangles:.0} triangles, and at most {most:.0} are made; ask for fewer modes, a lower --max-hz or a larger --error"
+    )]
+    TooFine {
+        /// Estimate of the number of triangles.
+        triangles: f64,
+        /// Largest number.
+        most: f64,
+    },
     /// Frequencies that still move on the finest mesh.
     #[error(
         "an error of {error} is asked for, and the finest mesh that fits into memory reaches {reached:.2e}; ask for a larger --error or fewer modes"

@@ -85,7 +85,7 @@ pub const MOST_UNKNOWNS: usize = 400_000;
 /// Error that is added to each estimate: that of curves as cubics, and of rounding.
 const LEAST_ERROR: f64 = 1e-6;
 /// Half the sample rate of boards: modes above it are not heard.
-const HIGHEST_HZ: f64 = 24_000.0;
+pub const HIGHEST_HZ: f64 = 24_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
 const FIRST_SIZE: f64 = 0.5;
 
