@@ -170,3 +170,34 @@ fn drawings_that_are_no_body_are_named() {
     let over = r#"<rect width="9" height="9"/><rect x="5" y="3" width="6" height="5"/>"#;
     assert!(matches!(drawn(over), Err(OutlineError::HoleTouches { .. })));
 }
+
+#[test]
+fn white_parts_of_a_drawing_are_its_ground_or_holes() {
+    let body = r#"<rect x="10" y="10" width="100" height="60"/>"#;
+    let area = |inner: &str| drawn(inner).unwrap_or_else(|error| panic!("{inner}: {error}")).area();
+    for ground in [
+        r#"<rect width="200" height="200" fill="white"/>"#,
+        r##"<rect width="200" height="200" fill="#fdfdfd" stroke="none"/>"##,
+        r#"<rect x="-5" y="-5" width="300" height="300" style="fill:#fff;stroke:#fff;stroke-width:2"/>"#,
+        // Parts that nobody sees.
+        r#"<rect width="200" height="200" fill="red" opacity="0"/>"#,
+        r#"<rect width="200" height="200" fill="red" fill-opacity="0"/>"#,
+        r#"<rect width="200" height="200" fill="none"/>"#,
+        r#"<rect width="200" height="200" display="none"/>"#,
+        r#"<g opacity="0"><rect width="200" height="200"/></g>"#,
+        r#"<rect x="150" y="150" width="20" height="20" fill="white"/>"#,
+    ] {
+        assert!((area(&format!("{ground}{body}")) - 0.006).abs() < 1e-9, "{ground}");
+    }
+    let hole = r#"<rect x="40" y="30" width="20" height="10" fill="white"/>"#;
+    let ground = r#"<rect width="200" height="200" fill="white"/>"#;
+    assert!((area(&format!("{ground}{body}{hole}")) - 0.0058).abs() < 1e-9);
+    // A bite is neither a hole nor the ground.
+    let bite = drawn(&format!(r#"{ground}{body}<rect x="100" y="30" width="20" height="10" fill="white"/>"#));
+    assert!(matches!(bite, Err(OutlineError::HoleTouches { .. })), "{bite:?}");
+    // Strokes show what is filled white, and white shapes alone are the body.
+    let stroked = r#"<rect width="100" height="60" fill="white" stroke="black"/>"#;
+    assert!((area(&format!("{ground}{stroked}")) - 0.006).abs() < 1e-9);
+    assert!((area(r#"<rect width="100" height="60" fill="white"/>"#) - 0.006).abs() < 1e-9);
+    assert!((area(r#"<rect width="100" height="60" fill="none" stroke="black"/>"#) - 0.006).abs() < 1e-9);
+}

@@ -143,7 +143,7 @@ pub enum OutlineError {
     NoShape,
     /// A shape that the border of its picture cuts off.
     #[error(
-        "the shape touches the picture's border at column {}, row {}: leave a margin around it", at[0], at[1]
+        "the shape touches the picture's border at column {}, row {}: leave a margin of the light ground around it", at[0], at[1]
     )]
     OpenPicture {
         /// Column and row of a pixel, from the upper left corner, 0 being the first.
