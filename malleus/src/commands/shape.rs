@@ -67,6 +67,8 @@ struct ShapeReport<'a> {
     /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
     counted: usize,
     counted_to_hz: f64,
+    /// True if the number of modes leaves out the next one though it has the last one's frequency.
+    cut_pair: bool,
     modes: Vec<ModeReport<'a>>,
     /// Tuned bar of `--undercut`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -230,6 +232,7 @@ fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: 
         rigid: solved.rigid,
         counted: solved.counted,
         counted_to_hz: solved.counted_to_hz,
+        cut_pair: solved.cut_pair,
         modes: solved.modes.iter().map(mode).collect(),
         undercut: None,
     }
@@ -258,6 +261,14 @@ fn as_text(shown: &ShapeReport<'_>) -> String {
             100.0 * mode.error,
             mode.decay_per_s,
             largest
+        );
+    }
+    if shown.cut_pair {
+        let count = shown.modes.len();
+        text += &format!(
+            "the next mode has the frequency of the last one and is left out: half a pair beats otherwise; give --modes {}{}\n",
+            count + 1,
+            if count > 1 { format!(" or {}", count - 1) } else { String::new() }
         );
     }
     if let Some(page) = shown.page {
