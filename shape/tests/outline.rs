@@ -75,6 +75,25 @@ fn polygons_that_are_no_body_are_named() {
 }
 
 #[test]
+fn outlines_that_cross_themselves_say_where_though_they_enclose_no_area() {
+    let bow_tie = Outline::polygon(&[[0.0, 0.0], [0.2, 0.1], [0.2, 0.0], [0.0, 0.1]], &[]).unwrap_err();
+    assert_eq!(bow_tie, OutlineError::Crosses { ring: 0, side: 0, other: 2, at: [0.1, 0.05] });
+    let message = bow_tie.to_string();
+    assert!(message.contains("sides 0 and 2") && message.contains("(0.100000, 0.050000) m"), "{message}");
+    let within = |inner: &str, expected: Point| {
+        let Err(OutlineError::Crosses { at, .. }) = drawn(inner) else { panic!("{inner}: {:?}", drawn(inner)) };
+        assert!((at[0] - expected[0]).hypot(at[1] - expected[1]) < 1e-3, "{inner}: {at:?}");
+    };
+    within(r#"<path d="M10 10 L90 50 L90 10 L10 50 Z"/>"#, [0.05, -0.03]);
+    // A figure of eight, and one curve that runs through a loop.
+    within(r#"<path d="M50 50 C0 0 0 100 50 50 C100 0 100 100 50 50 Z"/>"#, [0.05, -0.05]);
+    within(r#"<path d="M10 50 C140 0 -40 0 90 50 Z"/>"#, [0.05, -0.0305]);
+    within(r#"<path d="M50 50 C0 0 0 100 50 50 L90 10 L90 90 Z"/>"#, [0.05, -0.05]);
+    let looped = drawn(r#"<path d="M10 50 C140 0 -40 0 90 50 Z"/>"#).unwrap_err().to_string();
+    assert!(looped.contains("side 0 of ring 0 crosses itself"), "{looped}");
+}
+
+#[test]
 fn an_outline_of_another_origin_must_run_the_right_way() {
     let ring: Vec<Side> = SQUARE.iter().rev().map(|from| Side { from: *from, curve: None }).collect();
     assert_eq!(Outline { rings: vec![ring] }.check(), Err(OutlineError::WrongWay { ring: 0 }));
@@ -228,4 +247,35 @@ fn drawings_that_are_no_body_are_named() {
     assert!(matches!(drawn(two), Err(OutlineError::TwoPieces { .. })));
     let over = r#"<rect width="9" height="9"/><rect x="5" y="3" width="6" height="5"/>"#;
     assert!(matches!(drawn(over), Err(OutlineError::HoleTouches { .. })));
+}
+
+#[test]
+fn white_parts_of_a_drawing_are_its_ground_or_holes() {
+    let body = r#"<rect x="10" y="10" width="100" height="60"/>"#;
+    let area = |inner: &str| drawn(inner).unwrap_or_else(|error| panic!("{inner}: {error}")).area();
+    for ground in [
+        r#"<rect width="200" height="200" fill="white"/>"#,
+        r##"<rect width="200" height="200" fill="#fdfdfd" stroke="none"/>"##,
+        r#"<rect x="-5" y="-5" width="300" height="300" style="fill:#fff;stroke:#fff;stroke-width:2"/>"#,
+        // Parts that nobody sees.
+        r#"<rect width="200" height="200" fill="red" opacity="0"/>"#,
+        r#"<rect width="200" height="200" fill="red" fill-opacity="0"/>"#,
+        r#"<rect width="200" height="200" fill="none"/>"#,
+        r#"<rect width="200" height="200" display="none"/>"#,
+        r#"<g opacity="0"><rect width="200" height="200"/></g>"#,
+        r#"<rect x="150" y="150" width="20" height="20" fill="white"/>"#,
+    ] {
+        assert!((area(&format!("{ground}{body}")) - 0.006).abs() < 1e-9, "{ground}");
+    }
+    let hole = r#"<rect x="40" y="30" width="20" height="10" fill="white"/>"#;
+    let ground = r#"<rect width="200" height="200" fill="white"/>"#;
+    assert!((area(&format!("{ground}{body}{hole}")) - 0.0058).abs() < 1e-9);
+    // A bite is neither a hole nor the ground.
+    let bite = drawn(&format!(r#"{ground}{body}<rect x="100" y="30" width="20" height="10" fill="white"/>"#));
+    assert!(matches!(bite, Err(OutlineError::HoleTouches { .. })), "{bite:?}");
+    // Strokes show what is filled white, and white shapes alone are the body.
+    let stroked = r#"<rect width="100" height="60" fill="white" stroke="black"/>"#;
+    assert!((area(&format!("{ground}{stroked}")) - 0.006).abs() < 1e-9);
+    assert!((area(r#"<rect width="100" height="60" fill="white"/>"#) - 0.006).abs() < 1e-9);
+    assert!((area(r#"<rect width="100" height="60" fill="none" stroke="black"/>"#) - 0.006).abs() < 1e-9);
 }

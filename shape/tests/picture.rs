@@ -56,6 +56,52 @@ fn drawn_disc_is_a_membrane_with_the_frequency_of_a_circle() {
     assert!((opaque.area() / outline.area() - 1.0).abs() < 1e-5);
 }
 
+/// PNG of a shape of one colour on a ground of another, mixed where pixels are covered in part.
+fn coloured(width: u32, covered: &[u8], ground: [u8; 3], shape: [u8; 3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, covered.len() as u32 / width);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_color(png::ColorType::Rgb);
+    let mix = |share: u8, from: u8, to: u8| {
+        let share = f64::from(share) / 255.0;
+        (f64::from(from) * (1.0 - share) + f64::from(to) * share).round() as u8
+    };
+    let pixels: Vec<u8> =
+        covered.iter().flat_map(|&share| [0, 1, 2].map(|part| mix(share, ground[part], shape[part]))).collect();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&pixels).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+#[test]
+fn shapes_of_any_colour_are_traced_at_half_between_ground_and_shape() {
+    let disc = covered(140, 140, |x, y| (x - 70.3).hypot(y - 69.8) < 60.0);
+    let ring = covered(140, 140, |x, y| (30.0..60.0).contains(&(x - 70.3).hypot(y - 69.8)));
+    let white = [255; 3];
+    for (ground, shape) in [
+        (white, [0, 0, 0]),
+        (white, [255, 0, 0]),
+        (white, [255, 255, 0]),
+        (white, [0, 0, 255]),
+        (white, [160, 160, 160]),
+        (white, [255, 220, 200]),
+        ([240, 235, 220], [30, 90, 40]),
+        ([200, 255, 200], [255, 255, 255]),
+    ] {
+        let outline = Outline::from_png(&coloured(140, &disc, ground, shape), 0.001).unwrap();
+        let radius = (outline.area() / PI).sqrt() / 0.001;
+        assert!((radius - 60.0).abs() < 0.08, "{shape:?} on {ground:?}: a radius of {radius}");
+        let outline = Outline::from_png(&coloured(140, &ring, ground, shape), 0.001).unwrap();
+        assert_eq!(outline.rings.len(), 2, "{shape:?} on {ground:?}");
+    }
+    // A dark ground may be a shape without a margin, and what nobody sees is none.
+    let open = Outline::from_png(&coloured(140, &disc, [0, 0, 60], [255, 255, 0]), 0.001);
+    assert!(matches!(open, Err(OutlineError::OpenPicture { .. })), "{open:?}");
+    let pale = Outline::from_png(&coloured(140, &disc, white, [250, 250, 250]), 0.001);
+    assert_eq!(pale, Err(OutlineError::NoShape));
+}
+
 /// Corners of a tilted rectangle.
 fn tilted(angle: f64) -> [[f64; 2]; 4] {
     let (sine, cosine) = angle.sin_cos();

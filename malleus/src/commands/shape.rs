@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use ::fit::table::modes_within;
 use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
-use ::shape::solve::{self, Geometry, SolveError, Solved, Wanted};
+use ::shape::solve::{self, Geometry, HIGHEST_HZ, SolveError, Solved, Wanted};
 use ::shape::surface::Surface;
 use serde::Serialize;
 
@@ -16,6 +17,8 @@ use crate::arguments::ShapeArguments;
 
 /// Number of modes if none is asked for.
 const MODES: usize = 32;
+/// Maximum number of modes of a table.
+const MOST_MODES: usize = dsp_core::table::range::MODES_PER_BANK;
 /// Steps of the progress bar.
 pub(super) const STEPS: u64 = 100;
 
@@ -39,7 +42,7 @@ pub(crate) enum ShapeError {
     #[error("{}: {error}", path.display())]
     Tune { path: PathBuf, error: ::shape::tune::TuneError },
     #[error("{value} {option} is asked for; it must be {range}")]
-    Range { option: &'static str, value: f64, range: &'static str },
+    Range { option: &'static str, value: f64, range: String },
     #[error("{}: is a file, and --report writes a page into a folder; give a folder", path.display())]
     ReportIsFile { path: PathBuf },
     #[error("{}: is the page of something else and would be lost; give --report another folder", path.display())]
@@ -65,6 +68,8 @@ struct ShapeReport<'a> {
     /// Number of modes, rigid ones too, up to `counted_to_hz` by the inertia of K - ω² M.
     counted: usize,
     counted_to_hz: f64,
+    /// True if the number of modes leaves out the next one though it has the last one's frequency.
+    cut_pair: bool,
     modes: Vec<ModeReport<'a>>,
     /// Tuned bar of `--undercut`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -128,14 +133,23 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
 }
 
 fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
-    let above_0 = |option, value: f64| {
-        let is_right = value > 0.0 && value.is_finite();
-        if is_right { Ok(value) } else { Err(ShapeError::Range { option, value, range: "above 0" }) }
-    };
+    let refused = |option, value, range: String| Err(ShapeError::Range { option, value, range });
     Ok(match (arguments.max_hz, arguments.budget, arguments.modes) {
-        (Some(frequency_hz), _, _) => Wanted::Below(above_0("--max-hz", frequency_hz)?),
-        (None, Some(cycles), _) => Wanted::Lowest(::fit::table::modes_within(above_0("--budget", cycles)?)),
-        (None, None, Some(0)) => return Err(ShapeError::Range { option: "--modes", value: 0.0, range: "1 or more" }),
+        (Some(frequency_hz), _, _) if frequency_hz > 0.0 && frequency_hz <= HIGHEST_HZ => Wanted::Below(frequency_hz),
+        (Some(frequency_hz), _, _) => {
+            let range = format!("above 0 and at most {HIGHEST_HZ}, half the sample rate of boards");
+            return refused("--max-hz", frequency_hz, range);
+        }
+        (None, Some(cycles), _) if cycles > 0.0 && modes_within(cycles) <= MOST_MODES => {
+            Wanted::Lowest(modes_within(cycles))
+        }
+        (None, Some(cycles), _) => {
+            let range = format!("above 0, for at most the {MOST_MODES} modes that a table holds");
+            return refused("--budget", cycles, range);
+        }
+        (None, None, Some(count)) if !(1..=MOST_MODES).contains(&count) => {
+            return refused("--modes", count as f64, format!("1 to {MOST_MODES}, as many as a table holds"));
+        }
         (None, None, count) => Wanted::Lowest(count.unwrap_or(MODES)),
     })
 }
@@ -209,6 +223,7 @@ fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: 
         rigid: solved.rigid,
         counted: solved.counted,
         counted_to_hz: solved.counted_to_hz,
+        cut_pair: solved.cut_pair,
         modes: solved.modes.iter().map(mode).collect(),
         undercut: None,
     }
@@ -237,6 +252,14 @@ fn as_text(shown: &ShapeReport<'_>) -> String {
             100.0 * mode.error,
             mode.decay_per_s,
             largest
+        );
+    }
+    if shown.cut_pair {
+        let count = shown.modes.len();
+        text += &format!(
+            "the next mode has the frequency of the last one and is left out: half a pair beats otherwise; give --modes {}{}\n",
+            count + 1,
+            if count > 1 { format!(" or {}", count - 1) } else { String::new() }
         );
     }
     if let Some(page) = shown.page {

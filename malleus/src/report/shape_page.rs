@@ -108,7 +108,8 @@ fn tiles(page: &ShapePage<'_>) -> String {
         ("Rigid motions, left out", solved.rigid.to_string()),
         ("Counted by inertia, rigid ones too", format!("{} below {}", solved.counted, hertz(solved.counted_to_hz))),
     ];
-    let tiles: String = tiles.iter().map(|(term, value)| tile(term, value)).collect();
+    let cut = solved.cut_pair.then(|| ("Next mode, left out", "of the frequency of the last: half a pair".to_owned()));
+    let tiles: String = tiles.iter().chain(&cut).map(|(term, value)| tile(term, value)).collect();
     format!("<dl class=\"tiles\">\n{tiles}</dl>\n")
 }
 
@@ -267,6 +268,7 @@ mod tests {
             rigid: 6,
             counted: 7,
             counted_to_hz: 441.0,
+            cut_pair: true,
             unknowns: 100,
             elements: 0,
             mass_kg: 0.1,
@@ -290,6 +292,6 @@ mod tests {
         assert_eq!(html.matches("<audio").count(), 2);
         // Without damping, and on one mesh, there are levels, gains and estimates alone.
         assert_eq!(html.matches("<svg").count(), 3);
-        assert!(html.contains("440.00 Hz") && html.contains("no end"));
+        assert!(html.contains("440.00 Hz") && html.contains("no end") && html.contains("half a pair"));
     }
 }

@@ -96,6 +96,29 @@ fn table_of_a_solid_comes_from_its_surface_and_a_surface_with_a_gap_is_refused()
 }
 
 #[test]
+fn half_a_pair_is_told_at_the_end_and_in_the_report() {
+    let folder = TempDir::new().expect("a folder");
+    let disc = BAR
+        .replace("polygon_m = [[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]", "outline = \"disc.svg\"\nunit_m = 0.001")
+        .replace("at_m = [0.2, 0.0]", "at_m = [0.1, -0.1]")
+        .replace("path_m = [[0.1, 0.015], [0.0, 0.015]]", "path_m = [[0.1, -0.1], [0.15, -0.1]]");
+    let drawing = "<svg xmlns=\"http://www.w3.org/2000/svg\"><circle cx=\"100\" cy=\"100\" r=\"80\"/></svg>";
+    std::fs::write(folder.path().join("disc.toml"), disc).expect("the folder is writable");
+    std::fs::write(folder.path().join("disc.svg"), drawing).expect("the folder is writable");
+    // The lowest modes of a free disc: a pair, one alone, a pair.
+    for (modes, is_cut) in [(1, true), (2, false), (3, false), (4, true)] {
+        let words = format!("disc.toml -o t.toml --error 0.01 --modes {modes}");
+        let done = shape(folder.path(), &words);
+        let text = String::from_utf8_lossy(&done.stdout);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        assert_eq!(text.contains("half a pair beats otherwise"), is_cut, "{text}");
+        let done = shape(folder.path(), &(words + " --json"));
+        let report: serde_json::Value = serde_json::from_slice(&done.stdout).expect("a report");
+        assert_eq!(report["cut_pair"], is_cut, "{modes}");
+    }
+}
+
+#[test]
 fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
     let folder = with_bar();
     let write = |name: &str, from: &str, to: &str| {
@@ -120,7 +143,11 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         ("absent.toml -o t.toml", "cannot be read"),
         ("bar.toml -o bar.toml", "would be lost"),
         ("bar.toml -o t.toml --modes 0", "--modes"),
+        ("bar.toml -o t.toml --modes 1000000000", "1 to 4096, as many as a table holds"),
+        ("bar.toml -o t.toml --budget 1e12", "at most the 4096 modes"),
         ("bar.toml -o t.toml --max-hz 50", "--modes N"),
+        ("bar.toml -o t.toml --max-hz 1e12", "at most 24000, half the sample rate"),
+        ("bar.toml -o t.toml --max-hz nan", "--max-hz"),
         ("bar.toml -o t.toml --render t.toml", "one would be lost"),
         ("unknown.toml -o t.toml", "line 5"),
         ("thick.toml -o t.toml", "that is no plate"),

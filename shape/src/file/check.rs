@@ -1,19 +1,33 @@
 //! Checks of the numbers in a shape file.
 
-use super::{FileError, Kind, Modulus, Readout, ShapeFile};
+use super::{FileError, Kind, Modulus, Readout, ShapeFile, unused};
 
 /// Maximum number of positions that a table holds.
 const MOST_POSITIONS: usize = 64;
 /// Peak forces that a table holds, newtons.
 const PEAK_FORCES_N: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+/// Densities of materials from the lightest aerogel to above osmium, kg/m³.
+const DENSITIES: std::ops::RangeInclusive<f64> = 1.0..=30_000.0;
+const DENSITIES_TEXT: &str = "1 to 30000 kg/m3: is it in g/cm3? Steel has 7850";
+/// Young's moduli of materials from gels to above diamond, Pa.
+const MODULI: std::ops::RangeInclusive<f64> = 1e4..=2e12;
+const MODULI_TEXT: &str = "1e4 to 2e12 Pa: is it in GPa or MPa? Steel has 200e9";
+/// Shear moduli, Pa: rolling shear of wood is far below Young's modulus.
+const SHEAR_MODULI: std::ops::RangeInclusive<f64> = 1e3..=2e12;
+const SHEAR_MODULI_TEXT: &str = "1e3 to 2e12 Pa: is it in GPa or MPa? Spruce has 0.7e9";
+/// Highest speed of sound in a rod, m/s: diamond has 17 000, fibres of carbon up to 25 000.
+const FASTEST_M_PER_S: f64 = 30_000.0;
+/// Share of a direction across a plate below which it lies in the plane.
+const LEAST_ACROSS: f64 = 1e-6;
 /// Contact times that a table holds, seconds.
 const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = 2e-5..=0.1;
 
 impl ShapeFile {
-    pub(super) fn check(&self) -> Result<(), FileError> {
+    pub(super) fn check(&self, text: &str) -> Result<(), FileError> {
         if self.format != 1 {
             return Err(FileError::Format(self.format));
         }
+        unused::check(text, self)?;
         self.check_shape()?;
         self.check_material()?;
         self.check_strike()
@@ -22,19 +36,12 @@ impl ShapeFile {
     fn check_shape(&self) -> Result<(), FileError> {
         let shape = &self.shape;
         let is_round = shape.kind == Kind::Revolve;
-        if is_round && shape.polygon_m.is_some() || !is_round && (shape.profile_m.is_some() || shape.split.is_some()) {
-            return Err(FileError::Keys("a body of revolution has profile_m and split, any other one polygon_m"));
-        }
         if let Some(value) = shape.split.filter(|split| !(0.0..0.1).contains(split)) {
             return Err(FileError::Range { key: "shape.split", value, range: "0 or above, and below 0.1" });
         }
-        if shape.surface.is_some() {
-            if shape.kind != Kind::Solid {
-                return Err(FileError::Keys("shape.surface is that of a solid: set shape.kind = \"solid\""));
-            }
-            if shape.polygon_m.is_some() || shape.outline.is_some() || shape.thickness_m.is_some() {
-                return Err(FileError::Keys("a solid has shape.surface, or an outline with thickness_m, not both"));
-            }
+        let is_flat = shape.polygon_m.is_some() || shape.outline.is_some() || shape.thickness_m.is_some();
+        if shape.surface.is_some() && is_flat {
+            return Err(FileError::Keys("a solid has shape.surface, or an outline with thickness_m, not both"));
         }
         match (self.corners_m(), &shape.outline) {
             (None, None) if shape.surface.is_some() => {}
@@ -84,6 +91,11 @@ impl ShapeFile {
             Some(Modulus::Grain(moduli)) => moduli.to_vec(),
         };
         moduli.iter().try_for_each(|&modulus| positive("material.youngs_modulus_pa", Some(modulus)))?;
+        plausible("material.density_kg_per_m3", material.density_kg_per_m3, DENSITIES, DENSITIES_TEXT)?;
+        plausible("material.shear_modulus_pa", material.shear_modulus_pa, SHEAR_MODULI, SHEAR_MODULI_TEXT)?;
+        moduli
+            .iter()
+            .try_for_each(|&modulus| plausible("material.youngs_modulus_pa", Some(modulus), MODULI, MODULI_TEXT))?;
         if let Some(value) = material.poisson {
             // Of wood the ratio along the grain may be above one half.
             let is_right =
@@ -104,6 +116,9 @@ impl ShapeFile {
                 return Err(missing("material.poisson", "or material.name"));
             }
         }
+        if !is_membrane {
+            self.check_speed()?;
+        }
         if moduli.len() == 2 && material.shear_modulus_pa.is_none() {
             return Err(missing("material.shear_modulus_pa", "wood needs the shear modulus in its plane"));
         }
@@ -117,6 +132,23 @@ impl ShapeFile {
         }
         if named.is_none() && !laws.contains(&true) {
             return Err(missing("material.rayleigh_alpha_per_s", "or loss_factor, damping, or material.name"));
+        }
+        Ok(())
+    }
+
+    /// Checks that sound is no faster than in any material.
+    fn check_speed(&self) -> Result<(), FileError> {
+        let named = self.material.named()?;
+        let density = self.material.density_kg_per_m3.or(named.map(|named| named.density_kg_per_m3));
+        let moduli = self.material.youngs_modulus_pa.as_ref().or(named.map(|named| &named.youngs_modulus_pa));
+        let largest = moduli.map(|moduli| match moduli {
+            Modulus::All(modulus) => *modulus,
+            Modulus::Grain([along, across]) => along.max(*across),
+        });
+        let Some((density_kg_per_m3, modulus_pa)) = density.zip(largest) else { return Ok(()) };
+        let speed = (modulus_pa / density_kg_per_m3).sqrt();
+        if speed > FASTEST_M_PER_S {
+            return Err(FileError::Speed { speed_km_per_s: 1e-3 * speed, density_kg_per_m3, modulus_pa });
         }
         Ok(())
     }
@@ -152,6 +184,29 @@ impl ShapeFile {
                 "a direction has two numbers on a sheet and on a body of revolution, three on others, and one is not 0";
             return Err(FileError::Keys(text));
         }
+        if matches!(self.shape.kind, Kind::Plate | Kind::Membrane) {
+            let strike = self.strike.direction.as_deref().map(|numbers| ("strike.direction", numbers));
+            let heard = self.sound.direction.as_deref().map(|numbers| ("sound.direction", numbers));
+            for (key, numbers) in strike.into_iter().chain(heard) {
+                let length = numbers.iter().map(|number| number * number).sum::<f64>().sqrt();
+                if numbers.last().is_some_and(|across| across.abs() < LEAST_ACROSS * length) {
+                    return Err(FileError::InPlane { key });
+                }
+            }
+        }
+        self.check_heard()
+    }
+
+    /// Checks the place of what is heard.
+    fn check_heard(&self) -> Result<(), FileError> {
+        let is_solid = self.shape.kind == Kind::Solid;
+        if let (Readout::Pressure, Some(&[_, _, z])) = (self.sound.readout, self.sound.at_m.as_deref()) {
+            let above_m =
+                if self.shape.kind == Kind::Plate { self.shape.thickness_m.unwrap_or(0.0) / 2.0 } else { 0.0 };
+            if z.is_nan() || z <= above_m {
+                return Err(FileError::NotAbove { z, above_m });
+            }
+        }
         let places = self.sound.at_m.as_ref().map(Vec::len);
         match (self.sound.readout, places) {
             (Readout::Velocity, Some(3)) if self.shape.kind == Kind::Revolve || is_solid => Ok(()),
@@ -170,6 +225,18 @@ fn missing(key: &'static str, what: &'static str) -> FileError {
 fn positive(key: &'static str, value: Option<f64>) -> Result<(), FileError> {
     match value {
         Some(value) if !(value > 0.0 && value.is_finite()) => Err(FileError::Range { key, value, range: "above 0" }),
+        _ => Ok(()),
+    }
+}
+
+fn plausible(
+    key: &'static str,
+    value: Option<f64>,
+    values: std::ops::RangeInclusive<f64>,
+    range: &'static str,
+) -> Result<(), FileError> {
+    match value {
+        Some(value) if !values.contains(&value) => Err(FileError::Range { key, value, range }),
         _ => Ok(()),
     }
 }

@@ -32,6 +32,50 @@ pub enum FileError {
         /// Range of the key.
         range: &'static str,
     },
+    /// Key that this body does not use.
+    #[error("line {line}: {table}.{key} is not used by {of}: {advice}")]
+    Unused {
+        /// Line of the file, 1 being the first.
+        line: usize,
+        /// Table of the key.
+        table: &'static str,
+        /// Key.
+        key: &'static str,
+        /// Body that does not use it.
+        of: &'static str,
+        /// Advice.
+        advice: &'static str,
+    },
+    /// Stiff material without weight: a unit that was forgotten.
+    #[error(
+        "sound would run at {speed_km_per_s:.0} km/s in a material of {density_kg_per_m3} kg/m3 and {modulus_pa:e} Pa, and no material takes it above 30 km/s: is a unit forgotten? Steel has 7850 kg/m3 and 200e9 Pa"
+    )]
+    Speed {
+        /// Speed of sound in a rod, km/s.
+        speed_km_per_s: f64,
+        /// Density.
+        density_kg_per_m3: f64,
+        /// Largest modulus.
+        modulus_pa: f64,
+    },
+    /// Direction in the plane of a body that moves across it alone.
+    #[error(
+        "{key} lies in the plane of the body, which moves across it alone, so that all modes would be silent: give a third number that is not 0, or leave it out for [0, 0, 1]"
+    )]
+    InPlane {
+        /// Key.
+        key: &'static str,
+    },
+    /// Pressure at a place that is not before the body.
+    #[error(
+        "sound.at_m: the pressure is heard before the body, which lies at z = 0, and z = {z} m is not above {above_m} m: give a larger z"
+    )]
+    NotAbove {
+        /// Height of the place, metres.
+        z: f64,
+        /// Height of the body's upper surface, metres.
+        above_m: f64,
+    },
     /// Keys that exclude each other or do not fit the kind.
     #[error("{0}")]
     Keys(&'static str),

@@ -3,6 +3,8 @@
 mod check;
 mod error;
 mod material;
+mod point;
+mod unused;
 
 use std::path::PathBuf;
 
@@ -68,8 +70,10 @@ pub struct Shape {
     /// Kind of the body.
     pub kind: Kind,
     /// Corners of the outline, metres.
+    #[serde(default, deserialize_with = "point::ring")]
     pub polygon_m: Option<Vec<[f64; 2]>>,
     /// Corners of the profile of a body of revolution: radius and height, metres.
+    #[serde(default, deserialize_with = "point::ring")]
     pub profile_m: Option<Vec<[f64; 2]>>,
     /// Distance of the frequencies of a pair of a body of revolution, as a share of them.
     pub split: Option<f64>,
@@ -81,7 +85,7 @@ pub struct Shape {
     /// of a surface is 1 if missing.
     pub unit_m: Option<f64>,
     /// Corners of each hole, metres.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "point::rings")]
     pub holes_m: Vec<Vec<[f64; 2]>>,
     /// Thickness of a plate, width of a sheet, metres.
     pub thickness_m: Option<f64>,
@@ -173,7 +177,7 @@ impl ShapeFile {
     /// A [`FileError`] that names the line or the key.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         let file: Self = toml::from_str(text).map_err(|error| FileError::Text(error.to_string()))?;
-        file.check()?;
+        file.check(text)?;
         Ok(file)
     }
 }

@@ -41,14 +41,16 @@ impl Outline {
 
     /// Makes an outline of rings of any direction, the outer one first, and checks it.
     pub(super) fn oriented(mut rings: Vec<Vec<Side>>) -> Result<Outline, OutlineError> {
-        for (index, ring) in rings.iter_mut().enumerate() {
+        let mut turned = vec![None; rings.len()];
+        for (index, (ring, turned)) in rings.iter_mut().zip(&mut turned).enumerate() {
             check_finite(index, ring)?;
             if (ring_area(ring) > 0.0) != (index == 0) {
                 *ring = reversed(ring);
+                *turned = Some(ring.len());
             }
         }
         let outline = Outline { rings };
-        outline.check()?;
+        outline.check().map_err(|error| error.of_turned(&turned))?;
         Ok(outline)
     }
 
@@ -80,7 +82,8 @@ impl Outline {
                 return Err(OutlineError::HoleInHole { ring: index, other, at });
             }
         }
-        Ok(())
+        // A ring that crosses itself may enclose as much to its left as to its right.
+        self.rings.iter().enumerate().try_for_each(|(index, ring)| check_area(index, ring))
     }
 
     /// Lists the pieces of all sides.
@@ -118,7 +121,7 @@ fn check_finite(ring: usize, sides: &[Side]) -> Result<(), OutlineError> {
     Ok(())
 }
 
-/// Checks that a ring has points, lengths, area and the right direction.
+/// Checks that a ring has points that do not lie on one line, and that its sides have lengths.
 fn check_ring(ring: usize, sides: &[Side], extent: f64) -> Result<(), OutlineError> {
     let curved = sides.iter().any(|side| side.curve.is_some());
     if sides.len() < if curved { 2 } else { 3 } {
@@ -126,9 +129,31 @@ fn check_ring(ring: usize, sides: &[Side], extent: f64) -> Result<(), OutlineErr
     }
     for (side, flat) in ring_sides(ring, sides).enumerate() {
         if distance(flat.from, flat.to) <= TOUCH * extent {
+            let is_loop = |c: &Point| distance(flat.from, *c) > TOUCH * extent;
+            if flat.curve.iter().flatten().any(is_loop) {
+                return Err(OutlineError::Crosses { ring, side, other: side, at: flat.from });
+            }
             return Err(OutlineError::NoLength { ring, side, at: flat.from });
         }
     }
+    if lies_on_a_line(sides, TOUCH * extent) {
+        return Err(OutlineError::NoArea { ring, at: sides[0].from });
+    }
+    Ok(())
+}
+
+/// Tells whether all points of a ring lie within a tolerance of one line.
+fn lies_on_a_line(sides: &[Side], tolerance: f64) -> bool {
+    let first = sides[0].from;
+    let points = || sides.iter().flat_map(|side| std::iter::once(side.from).chain(side.curve.into_iter().flatten()));
+    let far = |p: &Point| distance(first, *p);
+    let Some(last) = points().max_by(|a, b| far(a).total_cmp(&far(b))) else { return true };
+    let [x, y] = [last[0] - first[0], last[1] - first[1]];
+    points().all(|p| (x * (p[1] - first[1]) - y * (p[0] - first[0])).abs() <= tolerance * x.hypot(y))
+}
+
+/// Checks that a ring encloses an area and runs the right way.
+fn check_area(ring: usize, sides: &[Side]) -> Result<(), OutlineError> {
     let area = ring_area(sides);
     let round: f64 = ring_sides(ring, sides).map(|side| distance(side.from, side.to)).sum();
     if area.abs() <= 1e-12 * round * round {

@@ -51,7 +51,7 @@ pub enum OutlineError {
         ring: usize,
     },
     /// Two sides of a ring that cross or touch.
-    #[error("sides {side} and {other} of ring {ring} touch near ({:.6}, {:.6}) m: draw them apart", at[0], at[1])]
+    #[error("{} near ({:.6}, {:.6}) m: draw the outline so that it meets itself nowhere", meeting(*ring, *side, *other), at[0], at[1])]
     Crosses {
         /// Ring.
         ring: usize,
@@ -143,7 +143,7 @@ pub enum OutlineError {
     NoShape,
     /// A shape that the border of its picture cuts off.
     #[error(
-        "the shape touches the picture's border at column {}, row {}: leave a margin around it", at[0], at[1]
+        "the shape touches the picture's border at column {}, row {}: leave a margin of the light ground around it", at[0], at[1]
     )]
     OpenPicture {
         /// Column and row of a pixel, from the upper left corner, 0 being the first.
@@ -163,4 +163,39 @@ pub enum OutlineError {
         /// Unit, metres.
         unit_m: f64,
     },
+}
+
+impl OutlineError {
+    /// Counts sides as before rings were turned round: `turned` has the number of sides of each
+    /// ring that was.
+    pub(super) fn of_turned(mut self, turned: &[Option<usize>]) -> Self {
+        let before = |ring: usize, side: &mut usize| {
+            if let Some(Some(count)) = turned.get(ring) {
+                *side = (count - 1).saturating_sub(*side);
+            }
+        };
+        match &mut self {
+            Self::NoLength { ring, side, .. } => before(*ring, side),
+            Self::Crosses { ring, side, other, .. } => {
+                before(*ring, side);
+                before(*ring, other);
+                if *side > *other {
+                    std::mem::swap(side, other);
+                }
+            }
+            Self::HoleTouches { ring, side, other, other_side, .. } => {
+                before(*ring, side);
+                before(*other, other_side);
+            }
+            _ => {}
+        }
+        self
+    }
+}
+
+fn meeting(ring: usize, side: usize, other: usize) -> String {
+    if side == other {
+        return format!("side {side} of ring {ring} crosses itself");
+    }
+    format!("sides {side} and {other} of ring {ring} cross or touch")
 }

@@ -3,6 +3,7 @@
 mod arc;
 mod check;
 mod error;
+mod ground;
 mod png;
 pub(crate) mod side;
 mod simple;

@@ -19,6 +19,8 @@ const APART: f64 = 0.02;
 const SPECK: f64 = 1.0;
 /// Values of pixels that are covered in part.
 const GREY: std::ops::Range<f32> = 0.05..0.95;
+/// Least difference of a pixel from the ground that is seen, of full scale.
+const SEEN: f32 = 0.1;
 /// Maximum number of corners of an outline.
 const MOST_CORNERS: usize = 10_000;
 /// Distances in pixels by which a polygon may leave the traced border, the first that fits counts.
@@ -32,8 +34,10 @@ struct Picture {
 }
 
 impl Outline {
-    /// Makes the outline of a picture in PNG: the border of what is darker than half or, if any
-    /// pixel is transparent, of what is more than half opaque. Pixels that are covered in part
+    /// Makes the outline of a picture in PNG: the border lies at half between the colour of the
+    /// ground, which is that of most pixels at the picture's border, and that of the shape, which
+    /// is the commonest one far from it. If any pixel is transparent, what is more than half opaque
+    /// is the shape. The ground must be light. Pixels that are covered in part
     /// place the border between the middles of two pixels; a picture without such pixels is blurred
     /// first, which loses what is a pixel thin. The border becomes a polygon of few
     /// corners, about half a pixel off at most. Holes stay holes, and specks below a pixel are left
@@ -102,11 +106,12 @@ impl Picture {
         let pixels = || pixels.chunks_exact(colours + usize::from(has_alpha)).take(width * height);
         let is_transparent = has_alpha && pixels().any(|pixel| pixel[colours] < u8::MAX);
         let share = |byte: u8| f32::from(byte) / f32::from(u8::MAX);
-        let dark = |pixel: &[u8]| {
-            let sum: f32 = pixel[..colours].iter().map(|&colour| share(colour)).sum();
-            1.0 - sum / colours as f32
+        let covered = if is_transparent {
+            pixels().map(|pixel| share(pixel[colours])).collect()
+        } else {
+            let pixels: Vec<&[u8]> = pixels().map(|pixel| &pixel[..colours]).collect();
+            unlike_the_ground(&pixels, width)
         };
-        let covered = pixels().map(|pixel| if is_transparent { share(pixel[colours]) } else { dark(pixel) }).collect();
         Ok(Self { width, height, covered })
     }
 
@@ -198,4 +203,39 @@ impl Picture {
 fn area(ring: &[Point]) -> f64 {
     let following = ring.iter().cycle().skip(1);
     ring.iter().zip(following).map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0])).sum()
+}
+
+/// Gives the difference of each pixel from the ground, as a share of the shape's, at most 1.
+fn unlike_the_ground(pixels: &[&[u8]], width: usize) -> Vec<f32> {
+    let height = pixels.len() / width.max(1);
+    let is_border = |index: usize| {
+        let (column, row) = (index % width.max(1), index / width.max(1));
+        column == 0 || row == 0 || column + 1 == width || row + 1 == height
+    };
+    let border: Vec<&[u8]> =
+        pixels.iter().enumerate().filter(|(index, _)| is_border(*index)).map(|(_, p)| *p).collect();
+    let ground: Vec<u8> = (0..border.first().map_or(0, |pixel| pixel.len()))
+        .map(|colour| {
+            let mut values: Vec<u8> = border.iter().map(|pixel| pixel[colour]).collect();
+            values.sort_unstable();
+            // On a tie the lighter one.
+            values[values.len() / 2]
+        })
+        .collect();
+    let is_dark =
+        ground.iter().map(|&colour| usize::from(colour)).sum::<usize>() * 2 < ground.len() * usize::from(u8::MAX);
+    let far = |pixel: &[u8]| pixel.iter().zip(&ground).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+    let mut counts = [0_usize; 1 + u8::MAX as usize];
+    pixels.iter().for_each(|pixel| counts[usize::from(far(pixel))] += 1);
+    let farthest = counts.iter().rposition(|&count| count > 0).unwrap_or(0);
+    // Pixels that are covered in part are nearer to the ground, as a rule nearer than half.
+    let commonest = (farthest.div_ceil(2)..=farthest).max_by_key(|&value| counts[value]).unwrap_or(0);
+    if (farthest as f32) < SEEN * f32::from(u8::MAX) {
+        return vec![if is_dark { 1.0 } else { 0.0 }; pixels.len()];
+    }
+    let covered = |pixel: &&[u8]| {
+        let covered = (f32::from(far(pixel)) / commonest as f32).min(1.0);
+        if is_dark { 1.0 - covered } else { covered }
+    };
+    pixels.iter().map(covered).collect()
 }

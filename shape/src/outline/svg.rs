@@ -2,7 +2,7 @@
 
 use super::arc::with_round_arcs;
 use super::side::distance;
-use super::{Outline, OutlineError, Point, Side, ring_area};
+use super::{Outline, OutlineError, Point, Side, ground, ring_area};
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
@@ -18,9 +18,10 @@ struct Subpath {
 
 impl Outline {
     /// Makes the outline of a drawing in SVG: the shapes that are visible, with all transforms. The
-    /// largest ring is the outer one, those inside it are holes. The drawing's y axis points down,
-    /// the body's one up. A unit is `unit_m` metres long; it is that of the drawing's `viewBox`, or
-    /// a pixel if it has none.
+    /// largest ring is the outer one, those inside it are holes. White shapes without a stroke are
+    /// the ground unless all are white: they can be holes, and are left out elsewhere. The
+    /// drawing's y axis points down, the body's one up. A unit is `unit_m` metres long; it is that
+    /// of the drawing's `viewBox`, or a pixel if it has none.
     ///
     /// # Errors
     /// Says what cannot be read, which path is open, or what [`Outline::check`] finds.
@@ -39,11 +40,14 @@ impl Outline {
         let scale = unit_m / pixels;
         let extent = f64::from(tree.size().width().max(tree.size().height())) * scale;
         let mut rings = Vec::new();
-        for path in &paths {
+        let mut white = Vec::new();
+        for (path, is_white) in &paths {
             for subpath in subpaths(path, scale) {
+                white.push(*is_white);
                 rings.push(with_round_arcs(&close(subpath, rings.len(), SAME * extent)?, has_arcs));
             }
         }
+        let mut rings = ground::without(rings, &white);
         let largest = |a: &usize, b: &usize| ring_area(&rings[*a]).abs().total_cmp(&ring_area(&rings[*b]).abs());
         let Some(outer) = (0..rings.len()).rev().max_by(largest) else { return Err(OutlineError::NoPath) };
         rings.swap(0, outer);
@@ -79,13 +83,17 @@ fn has_arcs(node: Node<'_, '_>) -> bool {
     }
 }
 
-/// Collects the paths that are visible, with their transforms applied.
-fn collect(group: &usvg::Group, paths: &mut Vec<Path>) {
+/// Collects the paths that are visible, with their transforms applied, and tells which are white.
+fn collect(group: &usvg::Group, paths: &mut Vec<(Path, bool)>) {
+    if group.opacity().get() == 0.0 {
+        return;
+    }
     for node in group.children() {
         match node {
             usvg::Node::Group(group) => collect(group, paths),
-            usvg::Node::Path(path) if path.is_visible() => {
-                paths.extend(path.data().clone().transform(path.abs_transform()));
+            usvg::Node::Path(path) if ground::is_drawn(path) => {
+                let data = path.data().clone().transform(path.abs_transform());
+                paths.extend(data.map(|data| (data, ground::is_white(path))));
             }
             _ => {}
         }

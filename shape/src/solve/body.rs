@@ -6,7 +6,7 @@ use super::places::pieces;
 use super::{SolveError, Wanted};
 use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
 use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
-use crate::mesh::{Mesh, Sizing};
+use crate::mesh::{Mesh, MeshError, Sizing};
 use crate::outline::{FlatSide, Outline};
 
 /// Extents of bodies, metres: others are units that were forgotten.
@@ -79,8 +79,11 @@ impl Body {
         let sides = outline.sides().len();
         let whole = if kind == Kind::Membrane { Edge::Clamped } else { Edge::Free };
         let edges = match &file.support.edges {
-            Some(edges) if edges.len() != sides => return Err(SolveError::Edges { given: edges.len(), sides }),
-            Some(edges) => edges.clone(),
+            Some(edges) if edges.len() != sides => {
+                let listed = super::edges::listed(outline);
+                return Err(SolveError::Edges { given: edges.len(), sides, listed });
+            }
+            Some(edges) => super::edges::by_side(file, outline, edges),
             None => vec![file.support.edge.unwrap_or(whole); sides],
         };
         let support = |edge: &Edge| match edge {
@@ -206,7 +209,11 @@ impl Body {
             self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
         let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
         let sizing = Sizing { size_m, layer_m, layered: layered.collect(), corners_m: self.corners_m(size_m) };
-        Ok(Mesh::over(&self.outline, &sizing)?)
+        Mesh::over(&self.outline, &sizing).map_err(|error| match error {
+            // The size follows from the modes that are wanted.
+            MeshError::TooFine { triangles, most, .. } => SolveError::TooFine { triangles, most },
+            other => other.into(),
+        })
     }
 
     /// Length of the elements at each corner where stresses have no bound, metres.

@@ -58,12 +58,14 @@ pub enum SolveError {
     #[error("an error of {0} is asked for; it must be above 0 and below 0.5")]
     Error(f64),
     /// Number of supports that is not that of the sides.
-    #[error("support.edges has {given} entries, and the outline {sides} sides (holes behind the outer ring)")]
+    #[error("support.edges has {given} entries, and the outline {sides} sides: {listed}; give one entry for each")]
     Edges {
         /// Number in the file.
         given: usize,
         /// Number of sides.
         sides: usize,
+        /// Numbers of straight and curved sides, in their order.
+        listed: String,
     },
     /// Size of which no instrument is: a unit that was forgotten.
     #[error(
@@ -128,6 +130,16 @@ pub enum SolveError {
     TooLarge {
         /// Number of unknowns.
         unknowns: usize,
+    },
+    /// Mesh of more triangles than are made.
+    #[error(
+        "the modes would take about {triangles:.0} triangles, and at most {most:.0} are made; ask for fewer modes, a lower --max-hz or a larger --error"
+    )]
+    TooFine {
+        /// Estimate of the number of triangles.
+        triangles: f64,
+        /// Largest number.
+        most: f64,
     },
     /// Frequencies that still move on the finest mesh.
     #[error(

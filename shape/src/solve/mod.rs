@@ -1,6 +1,7 @@
 //! From a shape file to modes: the mesh becomes finer until the frequencies stand.
 
 mod body;
+mod edges;
 mod error;
 mod figure;
 mod levels;
@@ -61,6 +62,9 @@ pub struct Solved {
     pub counted: usize,
     /// Frequency in Hz up to which the modes were counted.
     pub counted_to_hz: f64,
+    /// True if the number of modes that was asked for leaves out the next one though its frequency
+    /// is that of the last one: half a pair is left.
+    pub cut_pair: bool,
     /// Number of unknowns of the finest mesh.
     pub unknowns: usize,
     /// Number of triangles of the finest mesh, or of cells of a solid.
@@ -81,7 +85,7 @@ const MESH_SHARE: f64 = 0.25;
 /// corners within their smallest elements.
 const LEAST_ERROR: f64 = 2e-5;
 /// Half the sample rate of boards: modes above it are not heard.
-const HIGHEST_HZ: f64 = 24_000.0;
+pub const HIGHEST_HZ: f64 = 24_000.0;
 /// Edge of the first mesh, in wavelengths of the highest mode.
 const FIRST_SIZE: f64 = 0.7;
 
@@ -118,9 +122,13 @@ pub fn solve<'a>(
             parts => parts?,
         };
         let mut places = parts::sorted(&parts);
-        if let Wanted::Lowest(count) = wanted {
+        let next = if let Wanted::Lowest(count) = wanted {
+            let next = places.get(count).copied();
             places.truncate(count);
-        }
+            next
+        } else {
+            None
+        };
         let elastic: Vec<f64> = places.iter().map(|place| place.value.max(0.0).sqrt() / TAU).collect();
         let Some(last) = places.last() else { return Err(SolveError::NoModes) };
         if let Some(&lowest_hz) = elastic.first().filter(|&&lowest| lowest >= HIGHEST_HZ) {
@@ -136,6 +144,8 @@ pub fn solve<'a>(
         if estimates.iter().zip(&elastic).all(is_near) {
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
+            let is_cut = matches!(wanted, Wanted::Lowest(_))
+                && (counted > parts::rigid(&parts) + places.len() || parts::is_near(&parts, last, next, limit)?);
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
             let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));
             let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, SolveError>>()?;
@@ -148,6 +158,7 @@ pub fn solve<'a>(
                 rigid: parts::rigid(&parts),
                 counted,
                 counted_to_hz: limit.max(0.0).sqrt() / TAU,
+                cut_pair: is_cut,
                 unknowns,
                 elements,
                 mass_kg,

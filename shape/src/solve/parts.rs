@@ -17,6 +17,10 @@ const FEW_WAVES: u32 = 3;
 /// Distance of the limit of a count above the last mode, as a share of ω².
 const ABOVE: f64 = 1e-5;
 
+/// Distance of two modes that count as a pair, as a share of ω²: pairs of symmetric bodies on
+/// meshes that are not symmetric are so far apart.
+const PAIR: f64 = 2e-3;
+
 /// Matrices of a part of the motion.
 pub(super) enum Matrices {
     Flat(Box<Discrete>),
@@ -125,4 +129,15 @@ pub(super) fn count(parts: &[Part], last: f64) -> Result<(usize, f64), EigenErro
     let limit = last * (1.0 + ABOVE);
     let counts = parts.iter().map(|part| Ok(eigen::count_below(part.matrices.problem(), limit)? * part.multiplicity()));
     Ok((counts.sum::<Result<usize, EigenError>>()?, limit))
+}
+
+/// Tells whether a mode follows the last one that is wanted within [`PAIR`]: `next`, if one was
+/// found, or one of a flat body that is counted above `limit`, the limit of the count so far.
+pub(super) fn is_near(parts: &[Part], last: &Place, next: Option<Place>, limit: f64) -> Result<bool, EigenError> {
+    let near = last.value * (1.0 + PAIR);
+    if next.is_some_and(|next| next.value <= near) {
+        return Ok(true);
+    }
+    let [Part { matrices: Matrices::Flat(discrete), found, .. }] = parts else { return Ok(false) };
+    Ok(limit < near && eigen::count_below(&discrete.problem, near)? > found.counted)
 }

@@ -9,13 +9,15 @@ pub enum SurfaceError {
     #[error("the surface cannot be read: {0}")]
     Text(String),
     /// A file without a triangle.
-    #[error("the surface has no triangle of an area above 0")]
+    #[error(
+        "the surface has no triangle of an area above 0: export the body as triangles (of an OBJ file, lines that begin with f)"
+    )]
     Empty,
     /// A coordinate that is no number.
-    #[error("vertex {0} of the surface has a coordinate that is not finite")]
+    #[error("vertex {0} of the surface has a coordinate that is not finite: export the body again")]
     NotFinite(usize),
     /// A triangle with a vertex that is not there.
-    #[error("the surface names a vertex {0} that is not there")]
+    #[error("the surface names a vertex {0} that is not there: export the body again")]
     Vertex(usize),
     /// A triangle's edge without a neighbour.
     #[error("the surface has a gap at the edge from {} to {}: close it", at(.0[0]), at(.0[1]))]
@@ -33,7 +35,7 @@ pub enum SurfaceError {
     #[error("the surface is that of {0} separate bodies: give one")]
     Pieces(usize),
     /// A surface that crosses itself.
-    #[error("the surface crosses itself near {}", at(*.0))]
+    #[error("the surface crosses itself near {}: unite its parts to one body", at(*.0))]
     Crossing(Point),
 }
 

@@ -3,6 +3,7 @@
 mod check;
 mod error;
 mod extrude;
+mod fault;
 mod nearest;
 mod read;
 

@@ -1,5 +1,6 @@
 //! Solids by finite cells, from the surface to the modes.
 
+mod files;
 mod surfaces;
 #[path = "../truth/mod.rs"]
 mod truth;

@@ -1,0 +1,48 @@
+//! White parts of a drawing: its ground, and holes that are drawn over the body.
+
+use super::{Outline, Point, Side, ring_area};
+use usvg::{Paint, Path};
+
+/// Least value of each colour of white.
+const WHITE: u8 = 250;
+
+/// Tells whether a path is drawn at all.
+pub(super) fn is_drawn(path: &Path) -> bool {
+    let is_filled = path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
+    path.is_visible() && (is_filled || has_stroke(path))
+}
+
+/// Tells whether a path is filled white, and has no stroke that shows it on white.
+pub(super) fn is_white(path: &Path) -> bool {
+    let is_white = |paint: &Paint| match paint {
+        Paint::Color(colour) => [colour.red, colour.green, colour.blue].iter().all(|part| *part >= WHITE),
+        _ => false,
+    };
+    let has_colour = has_stroke(path) && path.stroke().is_some_and(|stroke| !is_white(stroke.paint()));
+    path.fill().is_none_or(|fill| is_white(fill.paint())) && !has_colour
+}
+
+fn has_stroke(path: &Path) -> bool {
+    path.stroke().is_some_and(|stroke| stroke.opacity().get() > 0.0)
+}
+
+/// Leaves out the white rings that are no holes: those larger than the body, and those apart from
+/// it. If all rings are white they are the shapes.
+pub(super) fn without(rings: Vec<Vec<Side>>, white: &[bool]) -> Vec<Vec<Side>> {
+    let size = |ring: &Vec<Side>| ring_area(ring).abs();
+    let coloured = rings.iter().zip(white).filter(|(_, is_white)| !**is_white).map(|(ring, _)| ring);
+    let Some(body) = coloured.max_by(|a, b| size(a).total_cmp(&size(b))) else { return rings };
+    let (most, around) = (size(body), bounds(body));
+    let is_apart = |ring: &Vec<Side>| {
+        let ([low, high], [least, last]) = (bounds(ring), around);
+        (0..2).any(|axis| high[axis] < least[axis] || low[axis] > last[axis])
+    };
+    let is_kept = |ring: &Vec<Side>, is_white: bool| !(is_white && (size(ring) >= most || is_apart(ring)));
+    let kept: Vec<bool> = rings.iter().zip(white).map(|(ring, is_white)| is_kept(ring, *is_white)).collect();
+    rings.into_iter().zip(kept).filter(|(_, is_kept)| *is_kept).map(|(ring, _)| ring).collect()
+}
+
+/// Lowest and highest coordinates of a ring.
+fn bounds(ring: &[Side]) -> [Point; 2] {
+    Outline { rings: vec![ring.to_vec()] }.bounds().unwrap_or_default()
+}
