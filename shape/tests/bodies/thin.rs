@@ -102,7 +102,7 @@ fn assert_wood(count: usize, error: f64) {
 
 #[test]
 fn thin_hinged_hexagon_has_the_frequency_of_its_membrane_squared() {
-    // Side 1; the membrane's lowest value is from Jones, arXiv:1602.08636, table of regular polygons.
+    // Side 1; the membrane's lowest value is that of Jones, arXiv:1602.08636, for regular polygons.
     let corner = |k: i32| [(f64::from(k) * PI / 3.0).cos(), (f64::from(k) * PI / 3.0).sin()];
     let polygon = format!("polygon_m = {:?}", (0..6).map(corner).collect::<Vec<_>>());
     let solved = solve_text(&plate(&polygon, THIN, "hinged"), None, Wanted::Lowest(1), 0.001).unwrap();
