@@ -229,3 +229,40 @@ fn an_output_in_a_folder_that_takes_no_files_leaves_no_table() {
         assert!(!folder.path().join("t.toml").exists(), "{words} leaves a table");
     }
 }
+
+/// Picture of a dark L on white, 60 pixels high and wide.
+fn picture_of_an_l() -> Vec<u8> {
+    let dark = |x: usize, y: usize| (10..70).contains(&x) && (20..80).contains(&y) && (x < 30 || y >= 60);
+    let values: Vec<u8> = (0..100 * 100).map(|index| if dark(index % 100, index / 100) { 0 } else { 255 }).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 100, 100);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(&values).expect("pixels");
+    writer.finish().expect("an end");
+    bytes
+}
+
+#[test]
+fn places_on_a_drawing_and_a_picture_have_y_below_zero_from_the_upper_left_corner() {
+    let folder = TempDir::new().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    // The same L in a view box that begins elsewhere.
+    let drawing = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="-10 -20 100 100"><path d="M0 0 H20 V40 H60 V60 H0 Z"/></svg>"#;
+    std::fs::write(path("l.svg"), drawing).expect("written");
+    std::fs::write(path("l.png"), picture_of_an_l()).expect("written");
+    for outline in ["l.svg", "l.png"] {
+        // Column 20 and row 30 lie on the upright part, column 60 and row 30 beside it.
+        for (place, is_on_body) in [("[0.02, -0.03]", true), ("[0.06, -0.03]", false), ("[0.02, 0.03]", false)] {
+            let text = format!(
+                "format = 1\nname = \"l\"\n[shape]\nkind = \"plate\"\noutline = \"{outline}\"\nunit_m = 0.001\n\
+                 thickness_m = 0.001\n[material]\nname = \"steel\"\n[strike]\npath_m = [{place}]\npositions = 1\n"
+            );
+            std::fs::write(path("l.toml"), text).expect("written");
+            let done = shape(folder.path(), "l.toml -o t.toml --modes 2 --error 0.02");
+            let message = String::from_utf8_lossy(&done.stderr);
+            assert_eq!(done.status.success(), is_on_body, "{outline} {place}: {message}");
+            assert!(is_on_body || message.contains("strike.path_m"), "{outline} {place}: {message}");
+        }
+    }
+}
