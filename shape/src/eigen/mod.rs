@@ -52,6 +52,9 @@ pub struct Modes {
     pub counted: usize,
     /// Limit of the count, (rad/s)²: in a gap above the last mode.
     pub count_limit: f64,
+    /// Value of the mode above the last of those that were asked for, (rad/s)²: right to a twentieth
+    /// of its distance from that one. `None` if there is none.
+    pub next: Option<f64>,
 }
 
 /// Reason for which there are no modes.

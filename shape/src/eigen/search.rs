@@ -110,7 +110,8 @@ fn collect(
     pairs.sort_by(|one, other| one.0.total_cmp(&other.0));
     pairs.retain(|(value, _)| *value <= highest);
     let (values, vectors) = pairs.into_iter().unzip();
-    Modes { values, vectors, counted, count_limit }
+    let next = ritz.values.get(number).filter(|&&theta| theta > 0.0).map(|&theta| inverse.value(theta));
+    Modes { values, vectors, counted, count_limit, next }
 }
 
 /// Chooses a shift below zero by about the lowest eigenvalue that is not zero.

@@ -137,15 +137,14 @@ pub fn solve<'a>(
         meshes.push(Tried { unknowns, elements, frequencies_hz: elastic.clone() });
         let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()));
         // The theory's own error cannot be mended by a finer mesh: that has the rest, or a quarter.
-        let is_near = |(estimate, &frequency): (&f64, &f64)| {
+        let is_fine = |(estimate, &frequency): (&f64, &f64)| {
             let theory = model.model_error(frequency);
             estimate - theory <= (error - theory).max(MESH_SHARE * error)
         };
-        if estimates.iter().zip(&elastic).all(is_near) {
+        if estimates.iter().zip(&elastic).all(is_fine) {
             tell(95);
             let (counted, limit) = parts::count(&parts, last.value)?;
-            let is_cut = matches!(wanted, Wanted::Lowest(_))
-                && (counted > parts::rigid(&parts) + places.len() || parts::is_near(&parts, last, next, limit)?);
+            let is_cut = matches!(wanted, Wanted::Lowest(_)) && parts::is_pair(&parts, last, next);
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
             let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));
             let mut modes = places.iter().zip(&estimates).map(mode).collect::<Result<Vec<_>, SolveError>>()?;

@@ -131,13 +131,9 @@ pub(super) fn count(parts: &[Part], last: f64) -> Result<(usize, f64), EigenErro
     Ok((counts.sum::<Result<usize, EigenError>>()?, limit))
 }
 
-/// Tells whether a mode follows the last one that is wanted within [`PAIR`]: `next`, if one was
-/// found, or one of a flat body that is counted above `limit`, the limit of the count so far.
-pub(super) fn is_near(parts: &[Part], last: &Place, next: Option<Place>, limit: f64) -> Result<bool, EigenError> {
-    let near = last.value * (1.0 + PAIR);
-    if next.is_some_and(|next| next.value <= near) {
-        return Ok(true);
-    }
-    let [Part { matrices: Matrices::Flat(discrete), found, .. }] = parts else { return Ok(false) };
-    Ok(limit < near && eigen::count_below(&discrete.problem, near)? > found.counted)
+/// Tells whether a mode follows the last one that is wanted within [`PAIR`]: `next`, or, where there
+/// is one part alone, the one that its search saw beyond those that were asked for.
+pub(super) fn is_pair(parts: &[Part], last: &Place, next: Option<Place>) -> bool {
+    let seen = if let [part] = parts { part.found.next } else { None };
+    next.map(|next| next.value).or(seen).is_some_and(|value| value <= last.value * (1.0 + PAIR))
 }

@@ -16,8 +16,8 @@ pub(in super::super) use portable::{read_cells, read_map};
 /// Weights of a map's curvatures over a tick, Q30: c², c s and s² in the direction (c, s).
 pub(in super::super) type Directions = [Ramp; CURVATURES];
 
-/// Value that [`read_map`] and [`read_cells`] give for a curvature of 1 unit: 36 for the splines of
-/// both directions.
+/// Result of [`read_map`] and [`read_cells`] where the curvature is 1 unit everywhere: weights of a
+/// cubic spline sum to 6, those of two directions to 36.
 pub(in super::super) const MAP_ONE: i32 = 36 << 9;
 
 /// Begin of a column's sum in [`read_map`]: 2 for the shift by 2 bits, and 4 for what the products
@@ -30,12 +30,13 @@ pub(in super::super) const WEIGHT_BITS: u32 = 24;
 /// Bits of the sums over a map's weights that the terms of a column do without.
 const TERMS_BITS: u32 = 5;
 
-/// Begins of the sums over the weights of a cell in its outer and its inner rows, which make up for
-/// what the products and a column's term of 1 lose. Left out, it would pile up in the path's slope.
+/// First values of the sums over a cell's weights, in its outer rows and in its inner rows. They add
+/// what rounding towards minus infinity takes away; without them the path's slope would drift.
 ///
-/// A product loses half on average, unless its weight is 0. The term of 1, in which an outer row
-/// counts once and an inner row 23 times, loses 15.5 on top: in all 40 or 88. A few more, 46 or 94,
-/// came nearest to the reference.
+/// A product loses half a unit on average, or nothing if its weight is 0. The constant term weighs
+/// an outer row once and an inner row 23 times, and its own shift loses 15.5 units: 40 units in the
+/// direction of an axis, 88 in others. Of the sums that these values can give, 46 and 94 came
+/// nearest to the reference.
 const fn cell_rounding([_, mixed, _]: [i32; CURVATURES]) -> [i32; 2] {
     if mixed == 0 { [0, 1] } else { [1, 2] }
 }

@@ -63,8 +63,8 @@ const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
     fixed::smmlar((outer + 4 * b) >> 2, sum, fraction) << 3
 }
 
-/// Reads the curvature of a map in a direction that stays the same, along one course along its rows
-/// and one across them. `weights` are c², c s and s², Q24.
+/// Reads the curvature of a map in one direction (c, s). `courses` are the places along the rows and
+/// across them, `weights` c², c s and s², Q24.
 ///
 /// Terms that depend on the cell alone are derived where a course comes into one.
 pub(in super::super::super) fn read_cells(
@@ -110,8 +110,8 @@ pub(in super::super::super) fn read_cells(
     }
 }
 
-/// Terms of 1, t, t² and t³ of the spline across the rows in four columns, t from -1/2 to 1/2 about
-/// the cell's middle.
+/// Coefficients of the spline across the rows, for each of a cell's four columns: those of 1, t, t²
+/// and t³, where t goes from -1/2 to 1/2 across the cell.
 fn columns_of(map: &Map<'_>, [x, y]: [usize; 2], weights: [i32; CURVATURES]) -> [[i32; 4]; 4] {
     let [columns, rows] = map.points();
     let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
