@@ -223,8 +223,8 @@ impl<'a> Basis<'a> {
             (Some(one), Some(other)) => 0.5 * (one + other),
             (one, other) => one.or(other).unwrap_or(0.0),
         });
-        // The dense solver errs by an absolute amount where all entries are small, as with θ of about
-        // 1e-10: the highest modes of a slender sheet hardly settled.
+        // The dense solver errs by an absolute amount where all entries are small, as with θ of
+        // about 1e-10: the highest modes of a slender sheet hardly settled.
         let greatest = operator.norm_max();
         let scaled = Scale(if greatest > 0.0 { 1.0 / greatest } else { 1.0 }) * operator;
         let solved = scaled.self_adjoint_eigen(Side::Lower).map_err(|_| EigenError::NotPositive)?;

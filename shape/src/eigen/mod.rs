@@ -52,8 +52,8 @@ pub struct Modes {
     pub counted: usize,
     /// Limit of the count, (rad/s)²: in a gap above the last mode.
     pub count_limit: f64,
-    /// Value of the mode above the last of those that were asked for, (rad/s)²: right to a twentieth
-    /// of its distance from that one. `None` if there is none.
+    /// Value of the mode above the last of those that were asked for, (rad/s)²: right to a
+    /// twentieth of its distance from that one. `None` if there is none.
     pub next: Option<f64>,
 }
 

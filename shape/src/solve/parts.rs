@@ -131,8 +131,8 @@ pub(super) fn count(parts: &[Part], last: f64) -> Result<(usize, f64), EigenErro
     Ok((counts.sum::<Result<usize, EigenError>>()?, limit))
 }
 
-/// Tells whether a mode follows the last one that is wanted within [`PAIR`]: `next`, or, where there
-/// is one part alone, the one that its search saw beyond those that were asked for.
+/// Tells whether a mode follows the last one that is wanted within [`PAIR`]: `next`, or, where
+/// there is one part alone, the one that its search saw beyond those that were asked for.
 pub(super) fn is_pair(parts: &[Part], last: &Place, next: Option<Place>) -> bool {
     let seen = if let [part] = parts { part.found.next } else { None };
     next.map(|next| next.value).or(seen).is_some_and(|value| value <= last.value * (1.0 + PAIR))

@@ -112,8 +112,8 @@ pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAM
 
 /// Filters a tick as [`super::portable::filter`] does.
 ///
-/// Cost, counted from the code: 47 cycles a frame with 24 taps. Four outputs take 26 cycles for each
-/// step of four taps, and 30 beside these.
+/// Cost, counted from the code: 47 cycles a frame with 24 taps. Four outputs take 26 cycles for
+/// each step of four taps, and 30 beside these.
 pub(in super::super) fn filter(history: &[i32], taps: &[i32], frames: &mut [i32; TICK_FRAMES]) {
     if taps.is_empty() || !taps.len().is_multiple_of(TAPS) || history.len() < TICK_FRAMES + taps.len() {
         frames.fill(0);

@@ -20,8 +20,8 @@ pub(super) const TAPS: usize = 4;
 /// Outputs that are computed at once.
 const OUTPUTS: usize = 4;
 
-/// Result of [`read`] where all coefficients of a spline are 1: its weights sum to 6, and a factor of
-/// 8 keeps the third power of 1/2 whole.
+/// Result of [`read`] where all coefficients of a spline are 1: its weights sum to 6, and a
+/// factor of 8 keeps the third power of 1/2 whole.
 pub(super) const ONE: i32 = 48 << 9;
 
 /// Places of less than half a point between one and the next.

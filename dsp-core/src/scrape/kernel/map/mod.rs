@@ -30,8 +30,9 @@ pub(in super::super) const WEIGHT_BITS: u32 = 24;
 /// Bits of the sums over a map's weights that the terms of a column do without.
 const TERMS_BITS: u32 = 5;
 
-/// First values of the sums over a cell's weights, in its outer rows and in its inner rows. They add
-/// what rounding towards minus infinity takes away; without them the path's slope would drift.
+/// First values of the sums over a cell's weights, in its outer rows and in its inner rows. They
+/// add what rounding towards minus infinity takes away; without them the path's slope would
+/// drift.
 ///
 /// A product loses half a unit on average, or nothing if its weight is 0. The constant term weighs
 /// an outer row once and an inner row 23 times, and its own shift loses 15.5 units: 40 units in the

@@ -63,8 +63,8 @@ const fn along_row([a, b, c, d]: [i32; 4], fraction: i32) -> i32 {
     fixed::smmlar((outer + 4 * b) >> 2, sum, fraction) << 3
 }
 
-/// Reads the curvature of a map in one direction (c, s). `courses` are the places along the rows and
-/// across them, `weights` c², c s and s², Q24.
+/// Reads the curvature of a map in one direction (c, s). `courses` are the places along the rows
+/// and across them, `weights` c², c s and s², Q24.
 ///
 /// Terms that depend on the cell alone are derived where a course comes into one.
 pub(in super::super::super) fn read_cells(
