@@ -12,8 +12,7 @@ use crate::{plate, solve_text};
 #[test]
 #[ignore = "measures time: cargo test --release -p shape --test bodies times -- --ignored --nocapture --test-threads 1"]
 fn sixty_four_modes_of_plates_take_about_a_second_of_one_core() {
-    // A second is the goal; the count that tells half a pair is the last tenth. Hinged and thin
-    // plates need a third mesh.
+    // A second is the goal. Hinged and thin plates need a third mesh.
     for (edge, thickness_m, most_s) in
         [("free", 0.01, 1.2), ("free", 0.03, 1.2), ("hinged", 0.01, 2.0), ("free", 0.0005, 2.2)]
     {
