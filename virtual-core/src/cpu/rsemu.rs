@@ -10,10 +10,11 @@
 use std::sync::Arc;
 
 use rsemu::core::space::AddressSpace;
-use rsemu::cpu::arm::v7m::sys::fsr;
+use rsemu::cpu::arm::v7m::sys::{MPU_REGIONS, fsr};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs, xpsr};
 
-use super::{Core, CpuFault, Stepped};
+use super::{Core, CpuFault, DWT_ADDRESS, SYSTEM_ADDRESS, Stepped, any_register};
+use crate::decode::Instruction;
 
 /// Fewest cycles that rsemu itself counts for entering or leaving an exception.
 ///
@@ -28,18 +29,48 @@ const CPACR_FPU: u32 = 0xf << 20;
 /// it is needed. That saves time on silicon, but none here.
 const FPCCR_LSPEN: u32 = 1 << 30;
 
-/// Address of the block of DWT registers.
-const DWT_ADDRESS: u32 = 0xe000_1000;
-
-/// Address of the block of system registers.
-const SYSTEM_ADDRESS: u32 = 0xe000_e000;
-
 /// Bit of SysTick's control register that enables it.
 const SYST_CSR_ENABLE: u32 = 1;
 
+/// Bit of CONTROL that makes thread mode unprivileged.
+const CONTROL_UNPRIVILEGED: u32 = 1;
+
+/// Bits of MPU_CTRL that enable the protection unit, and the default map for privileged code.
+const MPU_CTRL_ENABLE: u32 = 1;
+const MPU_CTRL_DEFAULT_MAP: u32 = 4;
+
+/// Addresses that agree with a base in the bits of a mask.
+#[derive(Debug, Clone, Copy, Default)]
+struct Window {
+    base: u32,
+    mask: u32,
+}
+
+/// Memory of which the protection unit decides access by access, and the timer's switch.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Protection {
+    windows: [Window; MPU_REGIONS],
+    count: usize,
+    /// True if SysTick counts.
+    pub(super) is_timer_running: bool,
+}
+
+impl Protection {
+    fn add(&mut self, window: Window) {
+        self.windows[self.count] = window;
+        self.count += 1;
+    }
+
+    /// Returns true if an aligned access of at most a word at `address` needs a decision.
+    #[inline]
+    pub(super) fn covers(&self, address: u32) -> bool {
+        self.windows[..self.count].iter().any(|window| address & window.mask == window.base)
+    }
+}
+
 /// Core that `rsemu` emulates.
 #[derive(Debug)]
-pub struct Rsemu {
+pub(super) struct Rsemu {
     core: ArmV7m,
     /// Number of the exception that is handled, 0 for none.
     exception: u16,
@@ -55,7 +86,7 @@ const SUPERVISOR_CALL: u16 = 11;
 impl Rsemu {
     /// Makes a core on an address space, which boots from the vector table at `vectors`. It has not
     /// executed an instruction yet.
-    pub fn new(space: Arc<AddressSpace>, vectors: u32) -> Rsemu {
+    pub(super) fn new(space: Arc<AddressSpace>, vectors: u32) -> Rsemu {
         let core = ArmV7m::new(Config::CORTEX_M4F.with_reset_vtor(vectors).with_priority_bits(4));
         core.attach_space(space);
         // The first step is the reset sequence, which executes no instruction.
@@ -64,18 +95,36 @@ impl Rsemu {
         Rsemu { core, exception: 0, active: 0, interrupted_blocks: Vec::new() }
     }
 
-    /// Returns true if one of the core registers in a bit mask points to a block of 4 KB.
-    #[inline]
-    fn points_to(&self, registers: u16, block: u32) -> bool {
-        let mut left = registers;
-        while left != 0 {
-            let register = left.trailing_zeros() as u8;
-            if self.core.reg(register) & !0xfff == block {
-                return true;
+    /// Returns all registers of the core.
+    pub(super) fn registers(&self) -> Regs {
+        self.core.regs()
+    }
+
+    /// Sets all registers of the core.
+    pub(super) fn set_registers(&mut self, registers: Regs) {
+        self.core.set_regs(registers);
+    }
+
+    /// Returns the memory that not each access may reach, as the system registers have it now.
+    pub(super) fn protection(&self) -> Protection {
+        let unprivileged = self.core.regs().control & CONTROL_UNPRIVILEGED != 0;
+        self.core.with_sys(|sys| {
+            let mut protection =
+                Protection { is_timer_running: sys.syst_csr & SYST_CSR_ENABLE != 0, ..Protection::default() };
+            let is_on = sys.mpu_ctrl & MPU_CTRL_ENABLE != 0;
+            if unprivileged || is_on && sys.mpu_ctrl & MPU_CTRL_DEFAULT_MAP == 0 {
+                protection.add(Window { base: 0, mask: 0 });
+            } else if is_on {
+                for (base, attributes) in sys.mpu_rbar.iter().zip(sys.mpu_rasr) {
+                    let bits = (attributes >> 1 & 0x1f) + 1;
+                    if attributes & 1 != 0 && bits >= 5 {
+                        let mask = if bits == 32 { 0 } else { u32::MAX << bits };
+                        protection.add(Window { base: base & mask, mask });
+                    }
+                }
             }
-            left &= left - 1;
-        }
-        false
+            protection
+        })
     }
 
     /// Finds out if the last step entered or left an exception, and keeps or restores the IT state.
@@ -107,7 +156,7 @@ impl Rsemu {
 
 /// Returns the IT state of the next instruction (ITAdvance, DDI 0403 A7.3.2), as bits of the status
 /// word.
-fn advanced(block: u32) -> u32 {
+pub(super) fn advanced(block: u32) -> u32 {
     let state = block >> 8 & 0xfc | block >> 25 & 3;
     let next = if state & 7 == 0 { 0 } else { state & 0xe0 | state << 1 & 0x1f };
     (next & 0xfc) << 8 | (next & 3) << 25
@@ -115,7 +164,7 @@ fn advanced(block: u32) -> u32 {
 
 impl Core for Rsemu {
     #[inline]
-    fn step(&mut self, in_block: bool) -> Stepped {
+    fn step(&mut self, _: &Instruction, in_block: bool) -> Stepped {
         let block = if in_block { self.core.xpsr() & xpsr::IT_MASK } else { 0 };
         if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed(block) }
     }
@@ -161,12 +210,12 @@ impl Core for Rsemu {
 
     #[inline]
     fn is_in_trace_block(&self, registers: u16) -> bool {
-        self.points_to(registers, DWT_ADDRESS)
+        any_register(registers, |register| self.core.reg(register) & !0xfff == DWT_ADDRESS)
     }
 
     #[inline]
     fn is_in_system_block(&self, registers: u16) -> bool {
-        self.points_to(registers, SYSTEM_ADDRESS)
+        any_register(registers, |register| self.core.reg(register) & !0xfff == SYSTEM_ADDRESS)
     }
 
     fn debug_monitor_control(&self) -> u32 {

@@ -101,6 +101,8 @@ pub enum Flow {
 /// FPU registers is s*n*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instruction {
+    /// Operation with its operands, for the core that executes it.
+    pub operation: Insn,
     /// Kind of the instruction.
     pub kind: Kind,
     /// Place to which it moves the program counter.
@@ -149,6 +151,7 @@ impl Instruction {
     /// Makes an instruction of a kind that uses no registers and goes to the next instruction.
     pub(crate) fn new(kind: Kind, bytes: u8) -> Instruction {
         Instruction {
+            operation: Insn::Undefined,
             kind,
             flow: Flow::Next,
             bytes,
@@ -175,10 +178,12 @@ pub fn is_wide(first: u16) -> bool {
 /// 16-bit instruction ignores.
 pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     let bytes = if is_wide(first) { 4 } else { 2 };
-    match isa::decode(first, second) {
+    let operation = isa::decode(first, second);
+    let properties = match operation {
         Insn::Fp(float) => float::decode(address, bytes, float),
         other => integer::decode(address, bytes, other),
-    }
+    };
+    Instruction { operation, ..properties }
 }
 
 /// Returns the set of one core register.

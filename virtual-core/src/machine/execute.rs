@@ -81,7 +81,7 @@ impl Machine {
             }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
-            let stepped = self.core.step(self.in_block);
+            let stepped = self.core.step(&instruction, self.in_block);
             if let Some(value) = stored {
                 catch::after_store(&mut self.core, value);
             }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use rsemu::core::space::AddressSpace;
 
-use crate::cpu::{Core, Rsemu};
+use crate::cpu::{Core, Direct};
 use crate::cycle::Cost;
 use crate::cycle::flash::Accelerator;
 use crate::cycle::hazard::Previous;
@@ -41,7 +41,7 @@ const DEFAULT_LIMIT_INSTRUCTIONS: u64 = 2_000_000_000;
 /// [`Machine::profile`] and [`Machine::loops`] since [`Machine::clear_counts`].
 #[derive(Debug)]
 pub struct Machine {
-    core: Rsemu,
+    core: Direct,
     memory: Memory,
     space: Arc<AddressSpace>,
     image: Image,
@@ -85,7 +85,7 @@ impl Machine {
         }
         let space = Arc::new(space);
         Ok(Machine {
-            core: Rsemu::new(Arc::clone(&space), FLASH_ADDRESS),
+            core: Direct::new(Arc::clone(&space), memory.clone(), FLASH_ADDRESS),
             memory,
             space,
             code: Code::new(flash_end(image)),
@@ -165,12 +165,15 @@ impl Machine {
     /// # Errors
     /// [`RunError::Mapping`] if the addresses cannot be mapped.
     pub fn trap_reads(&mut self, address: u32, bytes: u32, device: Arc<dyn Peripheral>) -> Result<ReadTrap, RunError> {
-        memory::trap_reads(&self.space, address, bytes, device)
+        let trap = memory::trap_reads(&self.space, address, bytes, device)?;
+        self.core.set_trap(true);
+        Ok(trap)
     }
 
     /// Gives reads that a device took back to the memory.
     pub fn untrap_reads(&mut self, trap: ReadTrap) {
         memory::untrap_reads(&self.space, &trap);
+        self.core.set_trap(false);
     }
 
     /// Drives an external interrupt line, which is level-sensitive. Line 0 is the first after the

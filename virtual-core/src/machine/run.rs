@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Machine;
 use super::execute::Ended;
-use crate::cpu::{Core, Rsemu};
+use crate::cpu::Core;
 use crate::cycle::Cost;
 use crate::cycle::hazard::Previous;
 use crate::error::RunError;
@@ -62,7 +62,7 @@ impl Machine {
         // A new core is made, because a reset clears all registers of the NVIC and of the system
         // control block.
         let debug = self.core.debug_monitor_control();
-        self.core = Rsemu::new(Arc::clone(&self.space), FLASH_ADDRESS);
+        self.core.power_on(Arc::clone(&self.space), FLASH_ADDRESS);
         self.core.reset();
         if self.has_probe {
             // Only power-on clears the bits of the debugger.

