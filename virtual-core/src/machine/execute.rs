@@ -56,10 +56,12 @@ impl Machine {
             let Some((slot, count)) = self.code.at(pc, &self.memory, &self.functions) else {
                 return Err(self.address_error(Access::Fetch, pc, from));
             };
-            let instruction = slot.instruction;
+            // A copy of all its fields would take longer than most instructions do.
+            let instruction = &slot.instruction;
             let function = slot.function;
             if code::stops(instruction.kind) && !(self.fault_expected && instruction.kind == Kind::Undefined) {
-                return self.at_stop(instruction.kind, instruction.comment, pc);
+                let (kind, comment) = (instruction.kind, instruction.comment);
+                return self.at_stop(kind, comment, pc);
             }
             let alone = match instruction.kind {
                 Kind::Divide { signed } => {
@@ -81,7 +83,7 @@ impl Machine {
             }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
-            let stepped = self.core.step(&instruction, self.in_block);
+            let stepped = self.core.step(instruction, self.in_block);
             if let Some(value) = stored {
                 catch::after_store(&mut self.core, value);
             }
@@ -100,7 +102,8 @@ impl Machine {
             }
             if let Stepped::Exception(number) = stepped {
                 if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
-                    return Err(self.fault_error(instruction.kind, pc));
+                    let kind = instruction.kind;
+                    return Err(self.fault_error(kind, pc));
                 }
                 if self.has_probe && catch::catches(&self.core, number) {
                     return Ok(Ended::Caught);
@@ -112,7 +115,8 @@ impl Machine {
                     let waits = self.accelerator.fetch(pc, instruction.bytes, self.total.with_flash());
                     self.total.charge(alone, waits);
                 }
-                self.record_exceptions();
+                let cycle = self.now();
+                record_exceptions(&mut self.exception_changes, &self.core, cycle, self.total.instructions);
                 self.total.wait(rules::EXCEPTION_ENTRY, 0);
                 self.previous = Previous::NOTHING;
                 self.in_block = false;
@@ -124,9 +128,9 @@ impl Machine {
 
             count.executed += 1;
             let mut waits = self.accelerator.fetch(pc, instruction.bytes, self.total.with_flash());
-            let mut band = self.previous.cost(&instruction, alone);
+            let mut band = self.previous.cost(instruction, alone);
             if passed {
-                self.previous = Previous::of(&instruction);
+                self.previous = Previous::of(instruction);
             } else {
                 band = rules::SKIPPED;
                 self.previous = Previous::NOTHING;
@@ -142,7 +146,8 @@ impl Machine {
                 band = band + rules::REFILL;
                 self.previous = Previous::NOTHING;
                 if stepped == Stepped::Return {
-                    self.record_exceptions();
+                    let cycle = self.pace.cycles(&self.total).wrapping_add_signed(self.cycles_beyond_cost);
+                    record_exceptions(&mut self.exception_changes, &self.core, cycle, self.total.instructions);
                     band = band + rules::EXCEPTION_RETURN;
                     // The interrupted code may have been inside an IT block.
                     self.in_block = true;
@@ -162,14 +167,6 @@ impl Machine {
             if instruction.moves_stack() {
                 self.lowest_stack = self.lowest_stack.min(self.core.register(13));
             }
-        }
-    }
-
-    fn record_exceptions(&mut self) {
-        let (running, depth) = self.core.exceptions();
-        let (cycle, instructions) = (self.now(), self.total.instructions);
-        if let Some(changes) = &mut self.exception_changes {
-            changes.push(ExceptionChange { cycle, instructions, running, depth });
         }
     }
 
@@ -208,6 +205,14 @@ impl Machine {
             }
             CpuFault::Other(fault) => RunError::Fault { fault, pc, function: self.functions.name_at(pc) },
         }
+    }
+}
+
+/// Adds a change of exceptions to the record, if there is one.
+fn record_exceptions(record: &mut Option<Vec<ExceptionChange>>, core: &impl Core, cycle: u64, instructions: u64) {
+    let (running, depth) = core.exceptions();
+    if let Some(changes) = record {
+        changes.push(ExceptionChange { cycle, instructions, running, depth });
     }
 }
 
