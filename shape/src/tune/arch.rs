@@ -8,7 +8,7 @@ use crate::outline::Point;
 const SPAN: f64 = 0.82;
 /// Number of straight sides that draw the arch.
 pub(super) const SIDES: usize = 48;
-/// Number of straight sides that draw it where a wide bar is compared with plane stress.
+/// Number of straight sides that draw it where the terms for a wide bar are chosen.
 pub(super) const FEW_SIDES: usize = 16;
 /// Least thickness that is left, as a share of the height.
 const LEAST: f64 = 0.08;

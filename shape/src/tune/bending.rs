@@ -14,20 +14,22 @@ use crate::solve::{Body, SolveError};
 const BESIDE: usize = 4;
 /// Modes that are looked at beside these in a wide bar, which bends across its width, too.
 const BESIDE_WIDE: usize = 6;
-/// Longest edge of a triangle, as a share of the bar's height. Elements are of order 4.
+/// Longest edge of a triangle, as a share of the bar's height.
 const EDGE: f64 = 0.75;
-/// Order of the elements by which a wide bar is compared with plane stress.
-const ORDER: usize = 3;
+/// Order of the elements.
+const ORDER: usize = 4;
+/// Order of the elements by which the terms for a wide bar are chosen.
+const FIRST_ORDER: usize = 3;
 /// Largest number of terms of the expansion across the width.
 const MOST_TERMS: usize = 6;
 /// Change of the frequencies by the last term at which the terms are enough, as a share of them.
-const TOLERANCE: f64 = 2e-4;
+const TOLERANCE: f64 = 5e-5;
 
 /// Frequencies of the lowest bending modes of a bar along x in plane stress, Hz. A mode bends if
 /// its motion is across the length more than along it.
 pub(super) fn frequencies_hz(file: &ShapeFile, count: usize) -> Result<Vec<f64>, TuneError> {
     let (body, mesh) = bar(file)?;
-    let modes = modes(&body.elements(&mesh, 0)?, count + BESIDE)?;
+    let modes = modes(&body.sheet(&mesh, ORDER)?, count + BESIDE)?;
     Ok(bending(&modes, count)?.iter().map(|mode| mode.hz).collect())
 }
 
@@ -42,38 +44,35 @@ pub(super) struct Width {
 }
 
 impl Width {
-    /// Plane stress as it is.
-    pub(super) fn none(count: usize) -> Self {
-        Self { factors: vec![1.0; count], terms: 0 }
-    }
-
-    /// The change of a bar that is like the one before.
-    pub(super) fn of(file: &ShapeFile, count: usize, before: &Self) -> Result<Self, TuneError> {
-        let (body, mesh) = bar(file)?;
-        let all = modes(&body.sheet(&mesh, ORDER)?, count + BESIDE)?;
-        let plain = bending(&all, count)?;
-        let with = |terms: usize| {
-            let discrete = body.clone().with_terms(terms).sheet(&mesh, ORDER)?;
-            let wide = modes(&discrete, count + BESIDE + BESIDE_WIDE)?;
-            let factor = |mode: &Mode| mode.nearest(&wide).map(|wide| wide.hz / mode.hz);
-            let factors: Option<Vec<f64>> = plain.iter().copied().map(factor).collect();
-            Ok(Self { factors: factors.ok_or(TuneError::NoBending { count })?, terms })
-        };
-        if before.terms > 0 {
-            return with(before.terms);
-        }
-        // Changes fall from term to term: the last one is beyond what is left.
-        let mut width = with(1)?;
-        for terms in 2..=MOST_TERMS {
-            let next = with(terms)?;
+    /// The change of a first bar, with as many terms as it needs.
+    pub(super) fn first(file: &ShapeFile, count: usize) -> Result<Self, TuneError> {
+        let mut width = Self { factors: vec![1.0; count], terms: 0 };
+        for terms in 1..=MOST_TERMS {
+            let next = Self::by(file, count, terms, FIRST_ORDER)?;
             let changes = width.factors.iter().zip(&next.factors).map(|(a, b)| (a / b - 1.0).abs());
             let change = changes.fold(0.0, f64::max);
             width = next;
+            // Changes fall from term to term: the last one is beyond what is left.
             if change <= TOLERANCE {
                 break;
             }
         }
         Ok(width)
+    }
+
+    /// The change of another bar, with as many terms.
+    pub(super) fn of(&self, file: &ShapeFile, count: usize) -> Result<Self, TuneError> {
+        Self::by(file, count, self.terms, ORDER)
+    }
+
+    fn by(file: &ShapeFile, count: usize, terms: usize, order: usize) -> Result<Self, TuneError> {
+        let (body, mesh) = bar(file)?;
+        let all = modes(&body.sheet(&mesh, order)?, count + BESIDE)?;
+        let discrete = body.with_terms(terms).sheet(&mesh, order)?;
+        let wide = modes(&discrete, count + BESIDE + BESIDE_WIDE)?;
+        let factor = |mode: &Mode| mode.nearest(&wide).map(|wide| wide.hz / mode.hz);
+        let factors: Option<Vec<f64>> = bending(&all, count)?.into_iter().map(factor).collect();
+        Ok(Self { factors: factors.ok_or(TuneError::NoBending { count })?, terms })
     }
 }
 

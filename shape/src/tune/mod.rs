@@ -106,7 +106,7 @@ pub fn undercut(text: &str, wish: &Wish, tell: &mut dyn FnMut(usize)) -> Result<
     let file = ShapeFile::parse(text)?;
     let mut bar = Bar::of(&file, wish)?;
     let count = wish.ratios.len();
-    let mut width = Width::of(&bar.cut(&file, FEW_SIDES), count, &Width::none(count))?;
+    let mut width = Width::first(&bar.cut(&file, FEW_SIDES), count)?;
     let heard = |bar: &Bar, width: &Width| {
         let plain_hz = bending::frequencies_hz(&bar.cut(&file, SIDES), count)?;
         Ok::<Vec<f64>, TuneError>(plain_hz.iter().zip(&width.factors).map(|(hz, factor)| hz * factor).collect())
@@ -123,7 +123,7 @@ pub fn undercut(text: &str, wish: &Wish, tell: &mut dyn FnMut(usize)) -> Result<
         told = told.max(share.clamp(0.0, 99.0) as usize);
         tell(told);
         if left <= TOLERANCE && !is_settled {
-            width = Width::of(&bar.cut(&file, FEW_SIDES), count, &width)?;
+            width = width.of(&bar.cut(&file, SIDES), count)?;
             frequencies_hz = heard(&bar, &width)?;
             distances = wish.distances(&frequencies_hz);
             left = worst(&distances);
