@@ -61,7 +61,7 @@ pub(super) fn assemble<B: Body>(body: &B, nodes: Nodes, ties: Ties) -> Result<Di
     if size == 0 {
         return Err(Error::Held);
     }
-    let mut problem = pattern::<B>(&nodes, &unknowns, size);
+    let mut problem = pattern(&nodes, &unknowns, size);
     let order = nodes.functions.order();
     let even = nodes.functions.samples(2 * order);
     let rich = nodes.functions.samples(3 * order + 2);
@@ -70,27 +70,39 @@ pub(super) fn assemble<B: Body>(body: &B, nodes: Nodes, ties: Ties) -> Result<Di
         let element = Element::new(body, &nodes, &ties, number, samples)?;
         let places: Vec<Option<usize>> =
             triangle.iter().flat_map(|node| unknowns[*node][..B::COMPONENTS].iter().copied()).collect();
-        for (row, row_place) in places.iter().enumerate() {
-            for (column, column_place) in places.iter().enumerate() {
-                let (Some(at_row), Some(at_column)) = (*row_place, *column_place) else { continue };
-                if at_row < at_column {
-                    continue;
-                }
-                let begin = problem.starts[at_column];
-                let rows = &problem.rows[begin..problem.starts[at_column + 1]];
-                let entry = begin + rows.partition_point(|other| *other < at_row);
-                problem.stiffness[entry] += element.stiffness[row * places.len() + column];
-                problem.mass[entry] += element.mass[row * places.len() + column];
-            }
-        }
+        scatter(&mut problem, &places, |row, column| {
+            let entry = row * places.len() + column;
+            [element.stiffness[entry], element.mass[entry]]
+        });
     }
     let rigid = rigid(body, &nodes, &ties);
     Ok(Discrete { problem, nodes, components: B::COMPONENTS, unknowns, axes: ties.axes, turned: B::TURNED, rigid })
 }
 
-/// Lower triangle of all unknowns that share an element, without entries.
-fn pattern<B: Body>(nodes: &Nodes, unknowns: &[[Option<usize>; 3]], size: usize) -> Problem {
-    let of_triangle = |triangle: usize| nodes.triangles[triangle].iter().flat_map(|node| unknowns[*node]).flatten();
+/// Adds the entries of an element's stiffness and mass, given by row and column, to the lower
+/// triangle of a problem at the unknowns that are not held.
+pub(super) fn scatter(problem: &mut Problem, places: &[Option<usize>], entries: impl Fn(usize, usize) -> [f64; 2]) {
+    for (row, row_place) in places.iter().enumerate() {
+        for (column, column_place) in places.iter().enumerate() {
+            let (Some(at_row), Some(at_column)) = (*row_place, *column_place) else { continue };
+            if at_row < at_column {
+                continue;
+            }
+            let begin = problem.starts[at_column];
+            let rows = &problem.rows[begin..problem.starts[at_column + 1]];
+            let entry = begin + rows.partition_point(|other| *other < at_row);
+            let [stiffness, mass] = entries(row, column);
+            problem.stiffness[entry] += stiffness;
+            problem.mass[entry] += mass;
+        }
+    }
+}
+
+/// Lower triangle of all unknowns that share an element, without entries; `unknowns` are those of
+/// each node, numbered node by node.
+pub(super) fn pattern(nodes: &Nodes, unknowns: &[impl AsRef<[Option<usize>]>], size: usize) -> Problem {
+    let of_triangle =
+        |triangle: usize| nodes.triangles[triangle].iter().flat_map(|node| unknowns[*node].as_ref()).copied().flatten();
     let mut triangles = vec![Vec::new(); nodes.positions.len()];
     for (number, members) in nodes.triangles.iter().enumerate() {
         members.iter().for_each(|node| triangles[*node].push(number));
@@ -100,7 +112,7 @@ fn pattern<B: Body>(nodes: &Nodes, unknowns: &[[Option<usize>; 3]], size: usize)
         let mut near: Vec<usize> = triangles.iter().flat_map(|triangle| of_triangle(*triangle)).collect();
         near.sort_unstable();
         near.dedup();
-        for unknown in unknowns[node].into_iter().flatten() {
+        for unknown in unknowns[node].as_ref().iter().copied().flatten() {
             problem.rows.extend(near.iter().filter(|row| **row >= unknown));
             problem.starts.push(problem.rows.len());
         }
@@ -198,7 +210,7 @@ impl Element {
 }
 
 /// Position of a sample, and its derivatives by both local coordinates.
-fn place(nodes: &Nodes, members: &[usize], sample: &Sample) -> (Point, [[f64; 2]; 2]) {
+pub(super) fn place(nodes: &Nodes, members: &[usize], sample: &Sample) -> (Point, [[f64; 2]; 2]) {
     let mut at = [0.0; 2];
     let mut map = [[0.0; 2]; 2];
     for ((node, value), slope) in members.iter().zip(&sample.values).zip(&sample.derivatives) {
@@ -245,7 +257,7 @@ fn between(axis: [f64; 2], other: [f64; 2], turned: Option<usize>) -> [[f64; 3];
 }
 
 /// Number of rigid motions that the ties allow: all less the rank of what is held of them.
-fn rigid<B: Body>(body: &B, nodes: &Nodes, ties: &Ties) -> usize {
+pub(super) fn rigid<B: Body>(body: &B, nodes: &Nodes, ties: &Ties) -> usize {
     let mut held: Vec<Vec<f64>> = Vec::new();
     let [low, high] = super::locate::bounds(nodes.positions.iter().copied());
     let size = (high[0] - low[0]).max(high[1] - low[1]);

@@ -89,6 +89,54 @@ impl Material {
         }
     }
 
+    /// Returns the stiffness in space, Pa, for the strains εx, εy, γxy, εz, γxz and γyz; the grain
+    /// lies in the plane of x and y.
+    ///
+    /// A file does not tell the moduli of wood across that plane: wood counts as alike in all
+    /// directions across its grain, so that Ez = Ey, Gxz = Gxy, νxz = νxy, and Gyz follows from
+    /// νyz. This one is `around`, or νxy as in an isotropic material, and less where no body could
+    /// have it.
+    pub(super) fn space(&self, around: Option<f64>) -> [[f64; 6]; 6] {
+        let mut stiffness = [[0.0; 6]; 6];
+        match self.elasticity {
+            Elasticity::Isotropic { young, poisson } => {
+                let (lame, shear) = lame(young, poisson);
+                for row in [0, 1, 3] {
+                    [0, 1, 3].into_iter().for_each(|column| stiffness[row][column] = lame);
+                    stiffness[row][row] += 2.0 * shear;
+                }
+                [2, 4, 5].into_iter().for_each(|row| stiffness[row][row] = shear);
+                stiffness
+            }
+            Elasticity::Orthotropic { young: [along, across], poisson, shear, grain, .. } => {
+                let mixed = poisson * poisson * across / along;
+                let around = around.unwrap_or(poisson).min(0.9 - 1.9 * mixed);
+                // Inverse of the compliance of εx, εy and εz, x along the grain.
+                let rest = 1.0 - around - 2.0 * mixed;
+                let lateral = poisson * across / rest;
+                let own = across * (1.0 - mixed) / (rest * (1.0 + around));
+                let other = across * (around + mixed) / (rest * (1.0 + around));
+                let round_shear = across / (2.0 * (1.0 + around));
+                stiffness[0] = [along * (1.0 - around) / rest, lateral, 0.0, lateral, 0.0, 0.0];
+                stiffness[1] = [lateral, own, 0.0, other, 0.0, 0.0];
+                stiffness[2][2] = shear;
+                stiffness[3] = [lateral, other, 0.0, own, 0.0, 0.0];
+                stiffness[4][4] = shear;
+                stiffness[5][5] = round_shear;
+                let (s, c) = grain.sin_cos();
+                let turn = [
+                    [c * c, s * s, c * s, 0.0, 0.0, 0.0],
+                    [s * s, c * c, -c * s, 0.0, 0.0, 0.0],
+                    [-2.0 * c * s, 2.0 * c * s, c * c - s * s, 0.0, 0.0, 0.0],
+                    [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+                    [0.0, 0.0, 0.0, 0.0, c, s],
+                    [0.0, 0.0, 0.0, 0.0, -s, c],
+                ];
+                turned(&stiffness, &turn)
+            }
+        }
+    }
+
     /// Returns the stiffness of plane strain, Pa, for the strains εx, εy, γxy.
     pub(super) fn plane_strain(&self) -> Result<[[f64; 3]; 3], Error> {
         let Elasticity::Isotropic { young, poisson } = self.elasticity else { return Err(Error::Orthotropic) };

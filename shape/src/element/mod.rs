@@ -16,6 +16,7 @@ mod revolve;
 mod sheet;
 mod support;
 mod triangle;
+mod wide;
 
 pub use discrete::Discrete;
 pub use material::{Elasticity, Material};
@@ -26,6 +27,7 @@ pub use revolve::Revolve;
 pub use sheet::{PlaneState, Sheet};
 pub use support::Support;
 pub use triangle::{Sample, Triangle};
+pub use wide::Wide;
 
 /// Error of a discretisation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

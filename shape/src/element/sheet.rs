@@ -9,7 +9,7 @@ use crate::outline::Point;
 /// Hold of a sheet in the direction of its thickness.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlaneState {
-    /// Nothing: it is thin (plane stress).
+    /// Nothing: it is thin (plane stress). [`super::Wide`] takes any width.
     #[default]
     Stress,
     /// All strain is held: it is a slice of a long body (plane strain). Isotropic materials only.
@@ -45,7 +45,8 @@ impl Sheet {
 }
 
 /// Sheet by what a unit of its area has.
-struct Slice {
+#[derive(Default)]
+pub(super) struct Slice {
     elasticity: [[f64; 3]; 3],
     mass: f64,
 }

@@ -210,7 +210,7 @@ fn quadrature(degree: usize) -> Vec<([f64; 2], f64)> {
 }
 
 /// Points and weights of Gauss and Legendre between 0 and 1, exact up to degree 2 `count` - 1.
-fn gauss(count: usize) -> Vec<(f64, f64)> {
+pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|index| {
             let mut root = (PI * (index as f64 + 0.75) / (count as f64 + 0.5)).cos();

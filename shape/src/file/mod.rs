@@ -56,7 +56,7 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Plane {
-    /// No stress across: thin bodies.
+    /// No stress on the faces: bodies of any width.
     #[default]
     Stress,
     /// No strain across: long bodies.

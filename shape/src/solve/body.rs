@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::across::Across;
 use super::places::pieces;
 use super::{SolveError, Wanted};
-use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
+use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support, Wide};
 use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
 use crate::mesh::{Mesh, MeshError, Sizing};
 use crate::outline::{FlatSide, Outline};
@@ -57,6 +58,8 @@ pub struct Body {
     pub(super) split: f64,
     /// True if a row of elements lies along free edges of a plate.
     has_rows: bool,
+    /// Expansion of a sheet across its width.
+    pub(super) across: Across,
 }
 
 impl Body {
@@ -115,6 +118,7 @@ impl Body {
             split: file.shape.split.unwrap_or(0.0),
             skin: [file.shape.tension_n_per_m.unwrap_or(0.0), file.shape.density_kg_per_m2.unwrap_or(0.0)],
             has_rows: false,
+            across: Across::default(),
         };
         body.has_rows = body.row_error() > ROW_SHARE * error;
         Ok(body)
@@ -126,8 +130,8 @@ impl Body {
         self.edge_error(is_free)
     }
 
-    /// Error of a plate from its edges: a share of thickness times length by area.
-    fn edge_error(&self, of_edge: impl Fn(&Support) -> f64) -> f64 {
+    /// Error from edges: a share of thickness, of a sheet width, times length by area.
+    pub(super) fn edge_error(&self, of_edge: impl Fn(&Support) -> f64) -> f64 {
         let sides = self.outline.sides();
         let length = |side: &FlatSide| (side.to[0] - side.from[0]).hypot(side.to[1] - side.from[1]);
         let edges: f64 = sides.iter().zip(&self.supports).map(|(side, edge)| length(side) * of_edge(edge)).sum();
@@ -178,10 +182,11 @@ impl Body {
         (TAU / number).min(2.0 * longest)
     }
 
-    /// Share by which the theory of thick plates errs at a frequency, against elasticity in space.
+    /// Share by which the theory of thick plates, or the expansion of a sheet across its width,
+    /// errs at a frequency, against elasticity in space.
     pub(super) fn model_error(&self, frequency_hz: f64) -> f64 {
         if self.kind != Kind::Plate {
-            return 0.0;
+            return self.across.error(frequency_hz);
         }
         let of_edge = |support: &Support| match support {
             Support::Free => FREE_ERROR,
@@ -197,6 +202,12 @@ impl Body {
         self.edge_error(of_edge) + rows + waves * turn * turn
     }
 
+    /// The sheet with a number of terms across its width.
+    pub(crate) fn with_terms(mut self, terms: usize) -> Self {
+        self.across.terms = terms;
+        self
+    }
+
     /// True for a body of revolution.
     pub(super) fn is_round(&self) -> bool {
         self.kind == Kind::Revolve
@@ -204,10 +215,15 @@ impl Body {
 
     /// Mesh with edges of at most a length.
     pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
-        // The twist of a thick plate falls off within a thickness of a free edge.
-        let layered =
-            self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
-        let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
+        // The twist of a thick plate falls off within a thickness of a free edge, the strain across
+        // a sheet within its width of a clamped one.
+        let is_layered = |&support: &Support| match self.kind {
+            Kind::Plate => self.has_rows && support == Support::Free,
+            _ => self.across.is_wide && support == Support::Clamped,
+        };
+        let layered = self.supports.iter().map(is_layered);
+        let has_layer = matches!(self.kind, Kind::Plate | Kind::Sheet) && self.thickness_m < size_m;
+        let layer_m = has_layer.then_some(self.thickness_m);
         let sizing = Sizing { size_m, layer_m, layered: layered.collect(), corners_m: self.corners_m(size_m) };
         Mesh::over(&self.outline, &sizing).map_err(|error| match error {
             // The size follows from the modes that are wanted.
@@ -245,9 +261,21 @@ impl Body {
         let [tension, density] = self.skin;
         Ok(match self.kind {
             Kind::Plate => Plate { material, thickness }.discretise(mesh, ORDER, &self.supports)?,
-            Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Sheet => self.sheet(mesh, ORDER)?,
             Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Revolve | Kind::Solid => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
+        })
+    }
+
+    /// Matrices of a sheet by elements of an order.
+    pub(crate) fn sheet(&self, mesh: &Mesh, order: usize) -> Result<Discrete, SolveError> {
+        let (material, thickness, supports) = (self.material, self.thickness_m, &self.supports);
+        let Across { terms, around, .. } = self.across;
+        Ok(match self.plane {
+            PlaneState::Stress => {
+                Wide { material, width: thickness, terms, around }.discretise(mesh, order, supports)?
+            }
+            state @ PlaneState::Strain => Sheet { material, thickness, state }.discretise(mesh, order, supports)?,
         })
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct Levels<'a> {
     wanted: Wanted,
     size_m: f64,
     unknowns: usize,
-    /// Number of meshes that were made, those that were passed over, too.
+    /// Number of meshes that were made, without those that were passed over.
     pub(super) made: usize,
 }
 
@@ -62,8 +62,9 @@ impl Iterator for Levels<'_> {
     type Item = Result<Level, SolveError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        // Meshes that are passed over do not count: the short sides of an outline may have one mesh
+        // for many sizes.
         while self.made < MOST_MESHES {
-            self.made += 1;
             let level = match self.model.level(self.size_m) {
                 Ok(level) => level,
                 error => return Some(error),
@@ -77,6 +78,7 @@ impl Iterator for Levels<'_> {
             let is_coarse = matches!(self.wanted, Wanted::Lowest(count) if unknowns < LEAST_UNKNOWNS * count);
             if !is_coarse && unknowns as f64 >= LEAST_GROWTH * self.unknowns as f64 {
                 self.unknowns = unknowns;
+                self.made += 1;
                 return Some(Ok(level));
             }
         }

@@ -1,5 +1,6 @@
 //! From a shape file to modes: the mesh becomes finer until the frequencies stand.
 
+mod across;
 mod body;
 mod edges;
 mod error;
@@ -106,7 +107,7 @@ pub fn solve<'a>(
     if !(error > 0.0 && error < 0.5) {
         return Err(SolveError::Error(error));
     }
-    let model = Model::of(file, geometry.into(), error)?;
+    let model = Model::of(file, geometry.into(), wanted, error)?;
     let damping = Damping::of(&file.material, measured);
     let mut levels = Levels::new(&model, wanted);
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;

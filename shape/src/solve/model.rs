@@ -52,7 +52,7 @@ pub(super) struct Level {
 }
 
 impl Model {
-    pub(super) fn of(file: &ShapeFile, geometry: Geometry<'_>, error: f64) -> Result<Self, SolveError> {
+    pub(super) fn of(file: &ShapeFile, geometry: Geometry<'_>, wanted: Wanted, error: f64) -> Result<Self, SolveError> {
         let thickness_m = file.shape.thickness_m.unwrap_or(0.0);
         Ok(match (file.shape.kind, geometry) {
             (Kind::Solid, geometry) => {
@@ -64,7 +64,9 @@ impl Model {
                 Self::Solid { body: SolidBody::of(file, surface)?, places }
             }
             (_, Geometry::Outline(outline)) => {
-                Self::Flat { body: Box::new(Body::of(file, outline, error)?), places: Places::of(file, outline)? }
+                let places = Places::of(file, outline)?;
+                let body = Body::of(file, outline, error)?.expanded(wanted, error)?;
+                Self::Flat { body: Box::new(body), places }
             }
             (_, Geometry::Surface(_)) => return Err(SolveError::NoSolid),
         })

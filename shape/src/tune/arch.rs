@@ -7,7 +7,9 @@ use crate::outline::Point;
 /// Share of the length that the arch takes.
 const SPAN: f64 = 0.82;
 /// Number of straight sides that draw the arch.
-const SIDES: usize = 48;
+pub(super) const SIDES: usize = 48;
+/// Number of straight sides that draw it where the terms for a wide bar are chosen.
+pub(super) const FEW_SIDES: usize = 16;
 /// Least thickness that is left, as a share of the height.
 const LEAST: f64 = 0.08;
 /// Unit of the polygon's coordinates, metres.
@@ -96,35 +98,36 @@ impl Bar {
         (1.0 - square).powi(2) * (self.depths[0] + 6.75 * self.depths[1] * square)
     }
 
-    fn shares() -> impl Iterator<Item = f64> {
-        (0..=SIDES).map(|side| 2.0 * side as f64 / SIDES as f64 - 1.0)
+    fn shares(sides: usize) -> impl Iterator<Item = f64> {
+        (0..=sides).map(move |side| 2.0 * side as f64 / sides as f64 - 1.0)
     }
 
     pub(super) fn thinnest_m(&self) -> f64 {
-        self.height_m() * (1.0 - Self::shares().map(|share| self.depth(share)).fold(0.0, f64::max))
+        self.height_m() * (1.0 - Self::shares(SIDES).map(|share| self.depth(share)).fold(0.0, f64::max))
     }
 
     /// True if the arch takes wood away everywhere, and leaves some.
     pub(super) fn can_be_cut(&self) -> bool {
-        Self::shares().all(|share| (-1e-9..=1.0 - LEAST).contains(&self.depth(share)))
+        Self::shares(SIDES).all(|share| (-1e-9..=1.0 - LEAST).contains(&self.depth(share)))
             && self.length_m() > self.height_m()
     }
 
-    /// Outline counter-clockwise from the lower left corner, metres.
-    pub(super) fn polygon(&self) -> Vec<Point> {
+    /// Outline counter-clockwise from the lower left corner, metres, with a number of sides along
+    /// the arch.
+    pub(super) fn polygon(&self, sides: usize) -> Vec<Point> {
         let [[left, low], [_, high]] = self.corners;
         let (length, height) = (self.length_m(), self.height_m());
         let on_arch = |share: f64| [left + length / 2.0 * (1.0 + SPAN * share), low + height * self.depth(share)];
         let mut points = vec![[left, low]];
-        points.extend(Self::shares().map(on_arch));
+        points.extend(Self::shares(sides).map(on_arch));
         points.extend([[left + length, low], [left + length, high], [left, high]]);
         points.into_iter().map(|point| point.map(|x| (x / UNIT_M).round() * UNIT_M)).collect()
     }
 
     /// The file with the outline of the bar.
-    pub(super) fn cut(&self, file: &ShapeFile) -> ShapeFile {
+    pub(super) fn cut(&self, file: &ShapeFile, sides: usize) -> ShapeFile {
         let mut cut = file.clone();
-        cut.shape.polygon_m = Some(self.polygon());
+        cut.shape.polygon_m = Some(self.polygon(sides));
         cut
     }
 }

@@ -4,6 +4,10 @@
 //! The bar is a sheet seen from its side. The arch has one number for each ratio, and the length is
 //! cut to a pitch if one is asked for. Newton steps on the logarithms of the frequencies find these
 //! numbers; each frequency is that of the tuned outline by finite elements.
+//!
+//! Steps are made in plane stress, whose frequencies get the factors that the width of the bar has
+//! in elasticity in space. These are found anew for each arch at which the steps end, until they
+//! move it no further.
 
 mod arch;
 mod bending;
@@ -14,7 +18,8 @@ use faer::linalg::solvers::Solve;
 
 use crate::file::ShapeFile;
 
-use arch::Bar;
+use arch::{Bar, FEW_SIDES, SIDES};
+use bending::Width;
 pub use error::TuneError;
 
 /// Largest number of ratios, that of the fundamental included.
@@ -29,6 +34,11 @@ const STEPS: usize = 25;
 const TOLERANCE: f64 = 5e-5;
 /// Step by which slopes are measured, in shares of the height and in the logarithm of the length.
 const PROBE: f64 = 0.01;
+/// Distance below which slopes of the step before are near enough.
+const NEAR: f64 = 0.01;
+/// Distance after new factors of the width below which those of the arch that it leads to are the
+/// same within the tolerance: factors change by less than a fiftieth of the frequencies.
+const SETTLED: f64 = 0.002;
 /// Largest change of a number of the arch in one step.
 const LONGEST_STEP: f64 = 0.12;
 /// Number of halvings of a step that leads nowhere.
@@ -96,23 +106,42 @@ pub fn undercut(text: &str, wish: &Wish, tell: &mut dyn FnMut(usize)) -> Result<
     let file = ShapeFile::parse(text)?;
     let mut bar = Bar::of(&file, wish)?;
     let count = wish.ratios.len();
-    let heard = |bar: &Bar| bending::frequencies_hz(&bar.cut(&file), count);
-    let mut frequencies_hz = heard(&bar)?;
+    let mut width = Width::first(&bar.cut(&file, FEW_SIDES), count)?;
+    let heard = |bar: &Bar, width: &Width| {
+        let plain_hz = bending::frequencies_hz(&bar.cut(&file, SIDES), count)?;
+        Ok::<Vec<f64>, TuneError>(plain_hz.iter().zip(&width.factors).map(|(hz, factor)| hz * factor).collect())
+    };
+    let mut frequencies_hz = heard(&bar, &width)?;
     let mut distances = wish.distances(&frequencies_hz);
     let start = worst(&distances);
+    let mut slopes = Vec::new();
+    let mut is_settled = false;
+    let mut told = 0;
     for steps in 0..STEPS {
-        let left = worst(&distances);
-        tell((100.0 * (start / left).ln() / (start / TOLERANCE).ln()).clamp(0.0, 99.0) as usize);
+        let mut left = worst(&distances);
+        let share = 100.0 * (start / left).ln() / (start / TOLERANCE).ln();
+        told = told.max(share.clamp(0.0, 99.0) as usize);
+        tell(told);
+        if left <= TOLERANCE && !is_settled {
+            width = width.of(&bar.cut(&file, SIDES), count)?;
+            frequencies_hz = heard(&bar, &width)?;
+            distances = wish.distances(&frequencies_hz);
+            left = worst(&distances);
+            is_settled = left <= SETTLED;
+        }
         if left <= TOLERANCE {
             let text = text::with(text, &file, &bar)?;
             return Ok(Tuned { text, frequencies_hz, thinnest_m: bar.thinnest_m(), length_m: bar.length_m(), steps });
         }
-        let mut slopes = Vec::new();
-        for number in 0..distances.len() {
-            let probed = wish.distances(&heard(&bar.changed(number, PROBE))?);
+        if left > NEAR {
+            slopes.clear();
+        }
+        for number in slopes.len()..distances.len() {
+            let probed = wish.distances(&heard(&bar.changed(number, PROBE), &width)?);
             slopes.push(probed.iter().zip(&distances).map(|(new, old)| (new - old) / PROBE).collect::<Vec<f64>>());
         }
-        let Some((next, new_hz, new_distances)) = step(&bar, &newton(&slopes, &distances), left, wish, &heard)? else {
+        let whole = newton(&slopes, &distances);
+        let Some((next, new_hz, new_distances)) = step(&bar, &whole, left, wish, &|bar| heard(bar, &width))? else {
             break;
         };
         (bar, frequencies_hz, distances) = (next, new_hz, new_distances);

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::TuneError;
-use super::arch::Bar;
+use super::arch::{Bar, SIDES};
 use crate::file::{FileError, ShapeFile};
 use crate::outline::Point;
 
@@ -44,7 +44,7 @@ pub(super) fn with(text: &str, file: &ShapeFile, bar: &Bar) -> Result<String, Tu
         at.iter_mut().take(1).for_each(|x| *x = bar.stretched(*x));
         at
     };
-    let mut changes: Vec<(Range<usize>, String)> = vec![(places.shape.polygon_m.span(), points(&bar.polygon()))];
+    let mut changes: Vec<(Range<usize>, String)> = vec![(places.shape.polygon_m.span(), points(&bar.polygon(SIDES)))];
     if bar.stretch() != 1.0 {
         if let Some(path) = &places.strike.path_m {
             let path_m = file.strike.path_m.as_deref().unwrap_or(&[]);

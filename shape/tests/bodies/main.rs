@@ -8,6 +8,7 @@ mod ellipses;
 mod gains;
 mod pairs;
 mod rounds;
+mod sheets;
 mod thin;
 mod times;
 
