@@ -2,6 +2,7 @@
 
 use super::factor::{Cholesky, Plan};
 use super::lanczos::{Basis, Ritz};
+use super::mass::Mass;
 use super::{EigenError, Modes};
 
 /// Relative gap, (λ' − λ) / (λ' − σ), between two values that are not of one multiplet.
@@ -53,10 +54,12 @@ pub(super) fn lowest(
     }
     progress(0, number);
     let size = plan.problem().size;
-    let mut inverse = choose_shift(plan)?;
-    let mut basis = Basis::new(plan.problem(), BLOCK.min(size))?;
+    let mass = Mass::of(plan.problem());
+    let mut inverse = choose_shift(plan, &mass)?;
+    let mut basis = Basis::new(plan.problem(), &mass, BLOCK.min(size))?;
     let most = size.min(8 * number + 50 * BLOCK);
-    let mut goal = number + number / 2 + 4 * BLOCK;
+    // Most searches end about here.
+    let mut goal = number + 3 * number / 2 + 4 * BLOCK;
     let mut count: Option<Count> = None;
     loop {
         while basis.len() < goal.min(size) && !basis.is_full() {
@@ -115,7 +118,7 @@ fn collect(
 }
 
 /// Chooses a shift below zero by about the lowest eigenvalue that is not zero.
-fn choose_shift<'a>(plan: &'a Plan<'_>) -> Result<Inverse<'a>, EigenError> {
+fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass) -> Result<Inverse<'a>, EigenError> {
     let scale = plan.problem().scale();
     if scale <= 0.0 {
         return Ok(Inverse { shift: -1.0, factor: plan.cholesky(-1.0)? });
@@ -123,7 +126,7 @@ fn choose_shift<'a>(plan: &'a Plan<'_>) -> Result<Inverse<'a>, EigenError> {
     let mut shift = -FIRST_SHIFT * scale;
     let mut factor = plan.cholesky(shift)?;
     for _ in 0..3 {
-        let mut basis = Basis::new(plan.problem(), 1)?;
+        let mut basis = Basis::new(plan.problem(), mass, 1)?;
         while basis.len() < SCALE_STEPS && !basis.is_full() {
             basis.expand(&mut factor)?;
         }
