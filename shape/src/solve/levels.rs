@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 
 /// Largest number of meshes, each finer than the one before.
 pub(super) const MOST_MESHES: usize = 10;
-/// Ratio of a mesh's edges to those of the mesh before.
+/// Ratio of a mesh's edges to those of the mesh before, from the third one on.
 const FINER: f64 = 0.7;
 /// Least growth of the number of unknowns from a mesh to the next one.
 const LEAST_GROWTH: f64 = 1.3;
@@ -21,7 +21,8 @@ const LEAST_UNKNOWNS: usize = 6;
 pub(super) struct Levels<'a> {
     model: &'a Model,
     wanted: Wanted,
-    size_m: f64,
+    /// Size of the mesh to make next, and of the one after it.
+    sizes_m: [f64; 2],
     unknowns: usize,
     /// Number of meshes that were made, those that were passed over, too.
     pub(super) made: usize,
@@ -37,7 +38,7 @@ pub(super) struct Searched {
 
 impl<'a> Levels<'a> {
     pub(super) fn new(model: &'a Model, wanted: Wanted) -> Self {
-        Self { model, wanted, size_m: model.first_size_m(wanted), unknowns: 0, made: 0 }
+        Self { model, wanted, sizes_m: model.first_sizes_m(wanted), unknowns: 0, made: 0 }
     }
 
     /// Searches the first two discretisations at once, as one alone has no estimate of its error.
@@ -64,11 +65,11 @@ impl Iterator for Levels<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         while self.made < MOST_MESHES {
             self.made += 1;
-            let level = match self.model.level(self.size_m) {
+            let level = match self.model.level(self.sizes_m[0]) {
                 Ok(level) => level,
                 error => return Some(error),
             };
-            self.size_m *= FINER;
+            self.sizes_m = [self.sizes_m[1], FINER * self.sizes_m[1]];
             let unknowns = level.first.problem().size;
             if unknowns > MOST_UNKNOWNS {
                 return Some(Err(SolveError::TooLarge { unknowns }));

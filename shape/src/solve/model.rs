@@ -70,11 +70,19 @@ impl Model {
         })
     }
 
-    /// Edge of the first elements, metres.
-    pub(super) fn first_size_m(&self, wanted: Wanted) -> f64 {
+    /// Edges of the first elements and of the second ones, metres.
+    pub(super) fn first_sizes_m(&self, wanted: Wanted) -> [f64; 2] {
         match self {
-            Self::Flat { body, .. } => super::FIRST_SIZE * body.wavelength_m(wanted),
-            Self::Solid { body, .. } => super::solid::FIRST_SIZE * body.wavelength_m(wanted),
+            Self::Flat { body, .. } => body.first_sizes().map(|size| size * body.wavelength_m(wanted)),
+            Self::Solid { body, .. } => super::solid::FIRST_SIZES.map(|size| size * body.wavelength_m(wanted)),
+        }
+    }
+
+    /// Power of the length of the edges as which errors fall at least; `None` if none is known.
+    pub(super) fn falls(&self) -> Option<i32> {
+        match self {
+            Self::Flat { body, .. } => body.falls(),
+            Self::Solid { .. } => None,
         }
     }
 

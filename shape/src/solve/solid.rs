@@ -8,8 +8,8 @@ use crate::file::{Edge, ShapeFile};
 use crate::solid::{Cells, Grid, Solid};
 use crate::surface::Surface;
 
-/// Edge of the first cells, in wavelengths of the highest mode.
-pub(super) const FIRST_SIZE: f64 = 0.8;
+/// Edges of the first and of the second cells, in wavelengths of the highest mode.
+pub(super) const FIRST_SIZES: [f64; 2] = [0.8, 0.56];
 /// Modes of a compact body beside the waves that its volume tells: those of its surface.
 const OF_THE_SURFACE: f64 = 6.0;
 

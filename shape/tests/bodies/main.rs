@@ -7,6 +7,7 @@ mod boxes;
 mod ellipses;
 mod gains;
 mod pairs;
+mod polygons;
 mod rounds;
 mod thin;
 mod times;
