@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::SolveError;
 use super::places::pieces;
-use crate::element::{Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
+use super::units::{Units, relative, rounded};
+use crate::element::{self, Discrete, Elasticity, Material, Membrane, PlaneState, Plate, Revolve, Sheet, Support};
 use crate::file::{Edge, Kind, Modulus, Plane, ShapeFile};
 use crate::mesh::{Mesh, MeshError, Sizing};
 use crate::outline::{FlatSide, Outline};
@@ -18,14 +19,14 @@ const ORDER: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(super) kind: Kind,
+    /// Units of all that follows.
+    pub(crate) units: Units,
     pub(super) outline: Outline,
     pub(super) supports: Vec<Support>,
     pub(super) material: Material,
     pub(super) plane: PlaneState,
-    /// Thickness of a plate or width of a sheet, metres; 0 for a membrane.
-    pub(super) thickness_m: f64,
-    /// Tension, N/m, and mass per area, kg/m², of a membrane.
-    pub(super) skin: [f64; 2],
+    /// Thickness of a plate or width of a sheet; 0 for a membrane.
+    pub(super) thickness: f64,
     /// Distance of the frequencies of a pair, as a share of them.
     pub(super) split: f64,
     /// True if a row of elements lies along free edges of a plate.
@@ -44,6 +45,9 @@ impl Body {
         let longest = extents[0].max(extents[1]);
         check_size(longest)?;
         let kind = file.shape.kind;
+        if kind == Kind::Revolve && low[0] < -1e-9 * longest {
+            return Err(element::Error::Quantity { name: "the radius of a point", value: low[0] }.into());
+        }
         let thickness_m = if kind == Kind::Membrane { 0.0 } else { file.shape.thickness_m.unwrap_or(0.0) };
         let width_m = width(outline, extents);
         if kind == Kind::Plate && thickness_m > width_m / 3.0 * (1.0 + 1e-9) {
@@ -75,18 +79,24 @@ impl Body {
                 .filter(|(_, side)| on_axis(side))
                 .for_each(|(held, _)| *held = Support::Free);
         }
+        let material = material(file)?;
+        let skin = [file.shape.tension_n_per_m, file.shape.density_kg_per_m2].map(|given| given.unwrap_or(1.0));
+        let units = match kind {
+            Kind::Membrane => Units::of_skin(longest, skin),
+            _ => Units::of_body(longest, along_grain(&material), material.density),
+        };
         let mut body = Self {
             kind,
-            outline: outline.clone(),
+            units,
+            outline: units.outline(outline),
             supports,
-            material: material(file)?,
+            material: relative(material),
             plane: match file.shape.plane {
                 Plane::Stress => PlaneState::Stress,
                 Plane::Strain => PlaneState::Strain,
             },
-            thickness_m,
+            thickness: rounded(thickness_m / longest),
             split: file.shape.split.unwrap_or(0.0),
-            skin: [file.shape.tension_n_per_m.unwrap_or(0.0), file.shape.density_kg_per_m2.unwrap_or(0.0)],
             has_rows: false,
         };
         body.has_rows = body.wants_rows(error);
@@ -96,14 +106,15 @@ impl Body {
     /// Mass, kg.
     pub(super) fn mass_kg(&self, discrete: &Discrete) -> f64 {
         let area = self.outline.area();
-        match self.kind {
-            Kind::Membrane => area * self.skin[1],
-            Kind::Plate | Kind::Sheet => area * self.material.density * self.thickness_m,
-            Kind::Revolve | Kind::Solid => {
-                let rings = pieces(discrete, &[]).into_iter().map(|(at, area, _)| TAU * at[0] * area);
-                self.material.density * rings.sum::<f64>()
+        self.units.mass_kg
+            * match self.kind {
+                Kind::Membrane => area,
+                Kind::Plate | Kind::Sheet => area * self.thickness,
+                Kind::Revolve | Kind::Solid => {
+                    let rings = pieces(discrete, &[]).into_iter().map(|(at, area, _)| TAU * at[0] * area);
+                    rings.sum::<f64>() / self.units.length_m.powi(3)
+                }
             }
-        }
     }
 
     /// True for a body of revolution.
@@ -111,28 +122,29 @@ impl Body {
         self.kind == Kind::Revolve
     }
 
-    /// Mesh with edges of at most a length.
-    pub(crate) fn mesh(&self, size_m: f64) -> Result<Mesh, SolveError> {
+    /// Mesh with edges of at most a length, in the body's units.
+    pub(crate) fn mesh(&self, size: f64) -> Result<Mesh, SolveError> {
         // The twist of a thick plate falls off within a thickness of a free edge.
         let layered =
             self.supports.iter().map(|&support| self.has_rows && self.kind == Kind::Plate && support == Support::Free);
-        let layer_m = (self.kind == Kind::Plate && self.thickness_m < size_m).then_some(self.thickness_m);
-        let sizing = Sizing { size_m, layer_m, layered: layered.collect(), corners_m: self.corners_m(size_m) };
+        let layer_m = (self.kind == Kind::Plate && self.thickness < size).then_some(self.thickness);
+        let sizing = Sizing { size_m: size, layer_m, layered: layered.collect(), corners_m: self.at_corners(size) };
         Mesh::over(&self.outline, &sizing).map_err(|error| match error {
             // The size follows from the modes that are wanted.
             MeshError::TooFine { triangles, most, .. } => SolveError::TooFine { triangles, most },
+            MeshError::Curve { at } => MeshError::Curve { at: at.map(|part| part * self.units.length_m) }.into(),
             other => other.into(),
         })
     }
 
-    /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies.
+    /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies, in
+    /// the body's units.
     pub(crate) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
-        let (material, thickness) = (self.material, self.thickness_m);
-        let [tension, density] = self.skin;
+        let (material, thickness) = (self.material, self.thickness);
         Ok(match self.kind {
             Kind::Plate => Plate { material, thickness }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Sheet => Sheet { material, thickness, state: self.plane }.discretise(mesh, ORDER, &self.supports)?,
-            Kind::Membrane => Membrane { tension, density }.discretise(mesh, ORDER, &self.supports)?,
+            Kind::Membrane => Membrane { tension: 1.0, density: 1.0 }.discretise(mesh, ORDER, &self.supports)?,
             Kind::Revolve | Kind::Solid => Revolve { material, waves }.discretise(mesh, ORDER, &self.supports)?,
         })
     }
@@ -145,6 +157,14 @@ pub(super) fn check_size(longest_m: f64) -> Result<(), SolveError> {
     }
     let unit = if longest_m > EXTENT_M[1] { "millimetres, as 0.001 m," } else { "a factor of 1000 more" };
     Err(SolveError::Size { size_m: longest_m, unit })
+}
+
+/// Young's modulus of a material, that along the grain of wood, Pa.
+fn along_grain(material: &Material) -> f64 {
+    match material.elasticity {
+        Elasticity::Isotropic { young, .. } => young,
+        Elasticity::Orthotropic { young, .. } => young[0],
+    }
 }
 
 /// Young's modulus, Pa, Poisson's ratio and density, kg/m³, of a material that is alike in all

@@ -37,14 +37,14 @@ struct Corner {
 }
 
 impl Body {
-    /// Length of the elements at each corner where stresses have no bound, metres.
-    pub(super) fn corners_m(&self, size_m: f64) -> Vec<Option<f64>> {
+    /// Length of the elements at each corner where stresses have no bound.
+    pub(super) fn at_corners(&self, size: f64) -> Vec<Option<f64>> {
         let length = |corner: Corner| {
             let widest = if self.is_hinged(corner) { HINGED_CORNER } else { FREE_CORNER };
             // Within a thickness of it a corner of a plate is one in space.
-            let least_m = (HINGED_SHARE * size_m).max(0.5 * self.thickness_m);
-            let length_m = if self.kind == Kind::Plate { least_m } else { CORNER_SHARE * size_m };
-            (corner.angle > widest).then_some(length_m)
+            let least = (HINGED_SHARE * size).max(0.5 * self.thickness);
+            let length = if self.kind == Kind::Plate { least } else { CORNER_SHARE * size };
+            (corner.angle > widest).then_some(length)
         };
         self.corners().into_iter().map(length).collect()
     }

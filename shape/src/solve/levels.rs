@@ -5,6 +5,7 @@ use std::thread;
 
 use super::model::{Level, Model};
 use super::parts::{self, Part};
+use super::units::rounded;
 use super::{MOST_UNKNOWNS, SolveError, Wanted};
 use crate::mesh::Mesh;
 
@@ -22,7 +23,7 @@ pub(super) struct Levels<'a> {
     model: &'a Model,
     wanted: Wanted,
     /// Size of the mesh to make next, and of the one after it.
-    sizes_m: [f64; 2],
+    sizes: [f64; 2],
     unknowns: usize,
     /// Number of meshes that were made, those that were passed over, too.
     pub(super) made: usize,
@@ -38,7 +39,7 @@ pub(super) struct Searched {
 
 impl<'a> Levels<'a> {
     pub(super) fn new(model: &'a Model, wanted: Wanted) -> Self {
-        Self { model, wanted, sizes_m: model.first_sizes_m(wanted), unknowns: 0, made: 0 }
+        Self { model, wanted, sizes: model.first_sizes(wanted).map(rounded), unknowns: 0, made: 0 }
     }
 
     /// Searches the first two discretisations at once, as one alone has no estimate of its error.
@@ -65,11 +66,11 @@ impl Iterator for Levels<'_> {
     fn next(&mut self) -> Option<Self::Item> {
         while self.made < MOST_MESHES {
             self.made += 1;
-            let level = match self.model.level(self.sizes_m[0]) {
+            let level = match self.model.level(self.sizes[0]) {
                 Ok(level) => level,
                 error => return Some(error),
             };
-            self.sizes_m = [self.sizes_m[1], FINER * self.sizes_m[1]];
+            self.sizes = [self.sizes[1], FINER * self.sizes[1]];
             let unknowns = level.first.problem().size;
             if unknowns > MOST_UNKNOWNS {
                 return Some(Err(SolveError::TooLarge { unknowns }));

@@ -13,6 +13,7 @@ mod solid;
 mod solid_figure;
 mod solid_places;
 mod theory;
+mod units;
 
 use std::f64::consts::TAU;
 
@@ -145,7 +146,7 @@ pub fn solve<'a>(
         };
         if estimates.iter().zip(&elastic).all(is_fine) {
             tell(95);
-            let (counted, limit) = parts::count(&parts, last.value)?;
+            let (counted, limit) = parts::count(&model, &parts, last.value)?;
             let is_cut = matches!(wanted, Wanted::Lowest(_)) && parts::is_pair(&parts, last, next);
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
             let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));

@@ -44,25 +44,27 @@ impl Body {
         let sides = self.outline.sides();
         let length = |side: &FlatSide| (side.to[0] - side.from[0]).hypot(side.to[1] - side.from[1]);
         let edges: f64 = sides.iter().zip(&self.supports).map(|(side, edge)| length(side) * of_edge(edge)).sum();
-        edges * self.thickness_m / self.outline.area()
+        edges * self.thickness / self.outline.area()
     }
 
-    /// Wave number at a frequency, 1/m, of the slowest wave.
-    fn wave_number(&self, omega: f64) -> f64 {
+    /// Wave number at a frequency in Hz of the slowest wave, in the body's units.
+    fn wave_number(&self, frequency_hz: f64) -> f64 {
+        let omega = TAU * frequency_hz / self.units.rad_per_s;
         let (youngs, shear) = softest(&self.material);
         match self.kind {
-            Kind::Membrane => omega * (self.skin[1] / self.skin[0]).sqrt(),
+            Kind::Membrane => omega,
             Kind::Plate => {
-                let bending = youngs * self.thickness_m.powi(3) / 12.0;
-                (omega * omega * self.material.density * self.thickness_m / bending).powf(0.25)
+                let bending = youngs * self.thickness.powi(3) / 12.0;
+                (omega * omega * self.thickness / bending).powf(0.25)
             }
             // The lowest modes of a slender sheet bend: their waves are about this short.
-            Kind::Sheet | Kind::Revolve | Kind::Solid => omega * (self.material.density / shear).sqrt(),
+            Kind::Sheet | Kind::Revolve | Kind::Solid => omega / shear.sqrt(),
         }
     }
 
-    /// Wavelength of the highest mode that is wanted, metres; at most twice the longer extent.
-    pub(super) fn wavelength_m(&self, wanted: Wanted) -> f64 {
+    /// Wavelength of the highest mode that is wanted, in the body's units; at most twice the longer
+    /// extent.
+    pub(super) fn wavelength(&self, wanted: Wanted) -> f64 {
         let [low, high] = self.outline.bounds().unwrap_or_default();
         let extents = [0, 1].map(|axis| high[axis] - low[axis]);
         let (longest, narrow) = (extents[0].max(extents[1]), width(&self.outline, extents));
@@ -73,7 +75,7 @@ impl Body {
                 let slender = PI * (count as f64 + 1.0) / longest;
                 wide.min(slender.max(PI / narrow))
             }
-            Wanted::Below(frequency_hz) => self.wave_number(TAU * frequency_hz),
+            Wanted::Below(frequency_hz) => self.wave_number(frequency_hz),
         };
         (TAU / number).min(2.0 * longest)
     }
@@ -92,13 +94,13 @@ impl Body {
             Elasticity::Isotropic { .. } => WAVE_ERROR,
             Elasticity::Orthotropic { .. } => GRAIN_ERROR,
         };
-        let turn = self.wave_number(TAU * frequency_hz) * self.thickness_m;
+        let turn = self.wave_number(frequency_hz) * self.thickness;
         let rows = if self.has_rows { 0.0 } else { self.row_error() };
         self.edge_error(of_edge) + rows + waves * turn * turn
     }
 }
 
-/// Lowest Young's modulus and shear modulus of a material, Pa.
+/// Lowest Young's modulus and shear modulus of a material.
 fn softest(material: &Material) -> (f64, f64) {
     match material.elasticity {
         Elasticity::Isotropic { young, poisson } => (young, young / (2.0 * (1.0 + poisson))),

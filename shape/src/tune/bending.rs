@@ -20,7 +20,7 @@ pub(super) fn frequencies_hz(file: &ShapeFile, count: usize) -> Result<Vec<f64>,
     let outline = Outline::polygon(polygon, &[]).map_err(crate::solve::SolveError::Outline)?;
     let [low, high] = outline.bounds().unwrap_or_default();
     let body = Body::of(file, &outline, 0.0)?;
-    let mesh = body.mesh(EDGE * (high[1] - low[1]))?;
+    let mesh = body.mesh(EDGE * (high[1] - low[1]) / body.units.length_m)?;
     let discrete = body.elements(&mesh, 0)?;
     let wanted = eigen::Wanted::Lowest(discrete.rigid + count + BESIDE);
     let found = eigen::modes(&discrete.problem, wanted, &mut |_, _| {}).map_err(crate::solve::SolveError::Eigen)?;
@@ -30,7 +30,9 @@ pub(super) fn frequencies_hz(file: &ShapeFile, count: usize) -> Result<Vec<f64>,
         across > along
     };
     let elastic = found.values.iter().zip(&found.vectors).skip(discrete.rigid);
-    let bending = elastic.filter(|(_, vector)| bends(vector)).map(|(value, _)| value.max(0.0).sqrt() / TAU);
+    let bending = elastic
+        .filter(|(_, vector)| bends(vector))
+        .map(|(value, _)| body.units.rad_per_s * value.max(0.0).sqrt() / TAU);
     let frequencies: Vec<f64> = bending.take(count).collect();
     if frequencies.len() < count { Err(TuneError::NoBending { count }) } else { Ok(frequencies) }
 }
