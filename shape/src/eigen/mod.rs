@@ -83,7 +83,7 @@ pub enum EigenError {
     /// A pattern that is not a lower triangle by columns, or entries that are not finite.
     #[error("the matrices are not lower triangles by columns with finite entries")]
     Malformed,
-    /// Factors that would take more than 2 GB in all.
+    /// Factors with which all would take near 2 GB or more.
     #[error(
         "{unknowns} unknowns have factors of {entries} entries, and at most {most} are solved; ask for a larger --error or fewer modes",
         most = factor::MOST_ENTRIES

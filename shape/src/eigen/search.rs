@@ -32,7 +32,8 @@ const FAR: f64 = 1e-5;
 /// Inverse of K − σ M.
 struct Inverse<'a> {
     shift: f64,
-    factor: Cholesky<'a>,
+    /// Factor of K − σ M; `None` while its memory serves another one.
+    factor: Option<Cholesky<'a>>,
 }
 
 /// Limit above the lowest values, and the number of eigenvalues below it.
@@ -63,7 +64,7 @@ pub(super) fn lowest(
     let mut count: Option<Count> = None;
     loop {
         while basis.len() < goal.min(size) && !basis.is_full() {
-            basis.expand(&mut inverse.factor)?;
+            basis.expand(inverse.factor(plan)?)?;
         }
         let ritz = basis.ritz()?;
         let found = ritz.found();
@@ -71,6 +72,8 @@ pub(super) fn lowest(
         if count.is_none()
             && let Some((below, limit)) = inverse.gap(&ritz, number, size)
         {
+            // The factor for the count would be a second one; hardly any search goes on after it.
+            inverse.factor = None;
             let counted = plan.count_below(limit)?;
             if counted > below {
                 basis.widen((counted - below).min(WIDEST - basis.width()))?;
@@ -121,7 +124,7 @@ fn collect(
 fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass) -> Result<Inverse<'a>, EigenError> {
     let scale = plan.problem().scale();
     if scale <= 0.0 {
-        return Ok(Inverse { shift: -1.0, factor: plan.cholesky(-1.0)? });
+        return Ok(Inverse { shift: -1.0, factor: None });
     }
     let mut shift = -FIRST_SHIFT * scale;
     let mut factor = plan.cholesky(shift)?;
@@ -138,12 +141,13 @@ fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass) -> Result<Inverse<'a>, Eige
         }
         let close = -shift < 100.0 * lowest;
         shift = -lowest;
+        drop(factor);
         factor = plan.cholesky(shift)?;
         if close {
             break;
         }
     }
-    Ok(Inverse { shift, factor })
+    Ok(Inverse { shift, factor: Some(factor) })
 }
 
 impl Ritz {
@@ -154,7 +158,13 @@ impl Ritz {
     }
 }
 
-impl Inverse<'_> {
+impl<'a> Inverse<'a> {
+    /// Returns the factor, made anew if it was given up.
+    fn factor(&mut self, plan: &'a Plan<'_>) -> Result<&mut Cholesky<'a>, EigenError> {
+        let factor = self.factor.take().map_or_else(|| plan.cholesky(self.shift), Ok)?;
+        Ok(self.factor.insert(factor))
+    }
+
     /// Returns λ of an eigenvalue θ = 1 / (λ − σ).
     fn value(&self, theta: f64) -> f64 {
         self.shift + 1.0 / theta
