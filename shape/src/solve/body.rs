@@ -137,8 +137,8 @@ impl Body {
         })
     }
 
-    /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies, in
-    /// the body's units.
+    /// Matrices of the motion with a number of waves round the axis, of all motion of flat bodies,
+    /// in the body's units.
     pub(crate) fn elements(&self, mesh: &Mesh, waves: u32) -> Result<Discrete, SolveError> {
         let (material, thickness) = (self.material, self.thickness);
         Ok(match self.kind {

@@ -40,8 +40,8 @@ impl SolidBody {
         Ok(Self { surface, units, inner, solid: Solid { young: 1.0, poisson, density: 1.0 } })
     }
 
-    /// Wavelength of the highest mode that is wanted, in the body's units; at most twice the longest
-    /// extent.
+    /// Wavelength of the highest mode that is wanted, in the body's units; at most twice the
+    /// longest extent.
     pub(super) fn wavelength(&self, wanted: Wanted) -> f64 {
         let mut extents = self.extents();
         extents.sort_by(f64::total_cmp);
