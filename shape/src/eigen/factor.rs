@@ -19,7 +19,8 @@ const STEPS: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 /// Takes the factors by supernodes always: faer's constant for it leaves out those without fill.
 const SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
-/// Largest number of entries of a factor: two of them, the matrices and the vectors take 1.9 GiB.
+/// Largest number of entries of a factor: with it, the matrices and the vectors take about 1.7 GB,
+/// as there is one factor at a time.
 pub(super) const MOST_ENTRIES: usize = 75_000_000;
 
 /// Order of elimination and pattern of the factors of a problem.

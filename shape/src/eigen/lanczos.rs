@@ -1,6 +1,7 @@
 //! Lanczos steps by blocks, every vector made M-orthogonal to all before it.
 
 use super::factor::{Cholesky, zeros};
+use super::mass::Mass;
 use super::{EigenError, Problem};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Scale, Side};
@@ -14,6 +15,7 @@ const CANCELLED: f64 = 0.1;
 /// M-orthonormal vectors, and the operator (K − σ M)⁻¹ M between them.
 pub(super) struct Basis<'a> {
     problem: &'a Problem,
+    mass: &'a Mass,
     /// All vectors but those of the next block, by columns, and their products with the mass: each
     /// product is made once, as it costs as much as the parts along dozens of vectors.
     vectors: Vec<f64>,
@@ -42,9 +44,10 @@ pub(super) struct Ritz {
 
 impl<'a> Basis<'a> {
     /// Starts with a block of random vectors.
-    pub(super) fn new(problem: &'a Problem, block: usize) -> Result<Self, EigenError> {
+    pub(super) fn new(problem: &'a Problem, mass: &'a Mass, block: usize) -> Result<Self, EigenError> {
         let mut basis = Self {
             problem,
+            mass,
             vectors: Vec::new(),
             vectors_mass: Vec::new(),
             recent: 0,
@@ -153,7 +156,7 @@ impl<'a> Basis<'a> {
 
     fn products(&self, columns: &[f64]) -> Result<Vec<f64>, EigenError> {
         let mut products = zeros(columns.len())?;
-        self.problem.times_mass(columns, &mut products);
+        self.mass.times(columns, &mut products);
         Ok(products)
     }
 

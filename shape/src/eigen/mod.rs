@@ -7,6 +7,7 @@
 
 mod factor;
 mod lanczos;
+mod mass;
 mod search;
 
 use factor::Plan;
@@ -82,7 +83,7 @@ pub enum EigenError {
     /// A pattern that is not a lower triangle by columns, or entries that are not finite.
     #[error("the matrices are not lower triangles by columns with finite entries")]
     Malformed,
-    /// Factors that would take more than 2 GB in all.
+    /// Factors with which all would take near 2 GB or more.
     #[error(
         "{unknowns} unknowns have factors of {entries} entries, and at most {most} are solved; ask for a larger --error or fewer modes",
         most = factor::MOST_ENTRIES
@@ -155,51 +156,6 @@ impl Problem {
     fn scale(&self) -> f64 {
         let sum = |entries: &[f64]| self.starts[..self.size].iter().map(|&at| entries[at]).sum::<f64>();
         sum(&self.stiffness) / sum(&self.mass)
-    }
-
-    /// Multiplies columns by the mass, a block of them at a time: each entry is read once for it.
-    fn times_mass(&self, columns: &[f64], products: &mut [f64]) {
-        if columns.len() > self.size {
-            self.times_mass_of::<{ search::BLOCK }>(columns, products);
-        } else {
-            self.times_mass_of::<1>(columns, products);
-        }
-    }
-
-    fn times_mass_of<const LANES: usize>(&self, columns: &[f64], products: &mut [f64]) {
-        let (mut vectors, mut sums) = (vec![[0.0; LANES]; self.size], vec![[0.0; LANES]; self.size]);
-        for (columns, products) in columns.chunks(LANES * self.size).zip(products.chunks_mut(LANES * self.size)) {
-            for (lane, column) in columns.chunks_exact(self.size).enumerate() {
-                vectors.iter_mut().zip(column).for_each(|(vector, &value)| vector[lane] = value);
-            }
-            self.times_mass_lanes(&vectors, &mut sums);
-            for (lane, product) in products.chunks_exact_mut(self.size).enumerate() {
-                product.iter_mut().zip(&sums).for_each(|(value, sum)| *value = sum[lane]);
-            }
-        }
-    }
-
-    fn times_mass_lanes<const LANES: usize>(&self, vectors: &[[f64; LANES]], products: &mut [[f64; LANES]]) {
-        products.fill([0.0; LANES]);
-        for (column, ends) in self.starts.windows(2).enumerate() {
-            let (rows, entries) = (&self.rows[ends[0]..ends[1]], &self.mass[ends[0]..ends[1]]);
-            let of_column = vectors[column];
-            let mut sum = of_column.map(|value| entries[0] * value);
-            for (&row, &entry) in rows[1..].iter().zip(&entries[1..]) {
-                // Entries of the mass are zero between most components of the motion.
-                if entry == 0.0 {
-                    continue;
-                }
-                let (product, vector) = (&mut products[row], &vectors[row]);
-                for lane in 0..LANES {
-                    product[lane] += entry * of_column[lane];
-                    sum[lane] += entry * vector[lane];
-                }
-            }
-            for lane in 0..LANES {
-                products[column][lane] += sum[lane];
-            }
-        }
     }
 
     /// Returns φᵀ K φ.

@@ -2,6 +2,7 @@
 
 use super::factor::{Cholesky, Plan};
 use super::lanczos::{Basis, Ritz};
+use super::mass::Mass;
 use super::{EigenError, Modes};
 
 /// Relative gap, (λ' − λ) / (λ' − σ), between two values that are not of one multiplet.
@@ -31,7 +32,8 @@ const FAR: f64 = 1e-5;
 /// Inverse of K − σ M.
 struct Inverse<'a> {
     shift: f64,
-    factor: Cholesky<'a>,
+    /// Factor of K − σ M; `None` while its memory serves another one.
+    factor: Option<Cholesky<'a>>,
 }
 
 /// Limit above the lowest values, and the number of eigenvalues below it.
@@ -53,14 +55,16 @@ pub(super) fn lowest(
     }
     progress(0, number);
     let size = plan.problem().size;
-    let mut inverse = choose_shift(plan)?;
-    let mut basis = Basis::new(plan.problem(), BLOCK.min(size))?;
+    let mass = Mass::of(plan.problem());
+    let mut inverse = choose_shift(plan, &mass)?;
+    let mut basis = Basis::new(plan.problem(), &mass, BLOCK.min(size))?;
     let most = size.min(8 * number + 50 * BLOCK);
-    let mut goal = number + number / 2 + 4 * BLOCK;
+    // Most searches end about here.
+    let mut goal = number + 3 * number / 2 + 4 * BLOCK;
     let mut count: Option<Count> = None;
     loop {
         while basis.len() < goal.min(size) && !basis.is_full() {
-            basis.expand(&mut inverse.factor)?;
+            basis.expand(inverse.factor(plan)?)?;
         }
         let ritz = basis.ritz()?;
         let found = ritz.found();
@@ -68,6 +72,8 @@ pub(super) fn lowest(
         if count.is_none()
             && let Some((below, limit)) = inverse.gap(&ritz, number, size)
         {
+            // The factor for the count would be a second one; hardly any search goes on after it.
+            inverse.factor = None;
             let counted = plan.count_below(limit)?;
             if counted > below {
                 basis.widen((counted - below).min(WIDEST - basis.width()))?;
@@ -115,15 +121,15 @@ fn collect(
 }
 
 /// Chooses a shift below zero by about the lowest eigenvalue that is not zero.
-fn choose_shift<'a>(plan: &'a Plan<'_>) -> Result<Inverse<'a>, EigenError> {
+fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass) -> Result<Inverse<'a>, EigenError> {
     let scale = plan.problem().scale();
     if scale <= 0.0 {
-        return Ok(Inverse { shift: -1.0, factor: plan.cholesky(-1.0)? });
+        return Ok(Inverse { shift: -1.0, factor: None });
     }
     let mut shift = -FIRST_SHIFT * scale;
     let mut factor = plan.cholesky(shift)?;
     for _ in 0..3 {
-        let mut basis = Basis::new(plan.problem(), 1)?;
+        let mut basis = Basis::new(plan.problem(), mass, 1)?;
         while basis.len() < SCALE_STEPS && !basis.is_full() {
             basis.expand(&mut factor)?;
         }
@@ -135,12 +141,13 @@ fn choose_shift<'a>(plan: &'a Plan<'_>) -> Result<Inverse<'a>, EigenError> {
         }
         let close = -shift < 100.0 * lowest;
         shift = -lowest;
+        drop(factor);
         factor = plan.cholesky(shift)?;
         if close {
             break;
         }
     }
-    Ok(Inverse { shift, factor })
+    Ok(Inverse { shift, factor: Some(factor) })
 }
 
 impl Ritz {
@@ -151,7 +158,13 @@ impl Ritz {
     }
 }
 
-impl Inverse<'_> {
+impl<'a> Inverse<'a> {
+    /// Returns the factor, made anew if it was given up.
+    fn factor(&mut self, plan: &'a Plan<'_>) -> Result<&mut Cholesky<'a>, EigenError> {
+        let factor = self.factor.take().map_or_else(|| plan.cholesky(self.shift), Ok)?;
+        Ok(self.factor.insert(factor))
+    }
+
     /// Returns λ of an eigenvalue θ = 1 / (λ − σ).
     fn value(&self, theta: f64) -> f64 {
         self.shift + 1.0 / theta

@@ -1,5 +1,7 @@
 //! Assembly of the matrices of all elements.
 
+use pulp::Arch;
+
 use super::discrete::to_axes;
 use super::support::Ties;
 use super::triangle::Sample;
@@ -136,7 +138,9 @@ impl Element {
         let inertia = body.inertia();
         let swelling = body.swelling();
         let mut element = Self { stiffness: vec![0.0; size * size], mass: vec![0.0; size * size] };
-        let mut strains = vec![[0.0; STRAINS]; size];
+        let mut strains = vec![vec![0.0; size]; STRAINS];
+        // Integrals of the products of two functions, by rows.
+        let mut masses = vec![0.0; members.len() * members.len()];
         let lowered = if B::LOWERED { lower(nodes, members, samples) } else { Vec::new() };
         for sample in samples {
             let (at, map) = place(nodes, members, sample);
@@ -160,30 +164,27 @@ impl Element {
                 for (row, strain) in strain.into_iter().enumerate() {
                     let own = to_axes(strain, ties.axes[*node], B::TURNED);
                     for (component, part) in own.into_iter().enumerate().take(B::COMPONENTS) {
-                        strains[index * B::COMPONENTS + component][row] = part;
+                        strains[row][index * B::COMPONENTS + component] = part;
                     }
                 }
-                for (other, factor) in sample.values.iter().enumerate() {
-                    // Components do not couple, unless the axes of two nodes differ.
-                    let turn = between(ties.axes[*node], ties.axes[members[other]], B::TURNED);
-                    for component in 0..B::COMPONENTS {
-                        for (partner, turn) in turn[component].iter().enumerate().take(B::COMPONENTS) {
-                            let entry = (index * B::COMPONENTS + component) * size + other * B::COMPONENTS + partner;
-                            element.mass[entry] += weight * inertia[component] * value * factor * turn;
-                        }
-                    }
-                }
+            }
+            for (row, value) in masses.chunks_exact_mut(members.len()).zip(&sample.values) {
+                row.iter_mut().zip(&sample.values).for_each(|(entry, other)| *entry += weight * value * other);
             }
             if let Some(masses) = swelling {
                 element.swell(masses.map(|mass| mass * weight), &strains, &sample.values, B::COMPONENTS);
             }
-            for (row, strain) in strains.iter().enumerate() {
-                let mut stress = [0.0; STRAINS];
-                for (stress, line) in stress.iter_mut().zip(&elasticity).take(B::STRAINS) {
-                    *stress = weight * (0..B::STRAINS).map(|part| line[part] * strain[part]).sum::<f64>();
-                }
-                for (entry, other) in element.stiffness[row * size..].iter_mut().zip(&strains).take(row + 1) {
-                    *entry += (0..B::STRAINS).map(|part| stress[part] * other[part]).sum::<f64>();
+            element.strain(&elasticity, &strains[..B::STRAINS], weight);
+        }
+        for (index, node) in members.iter().enumerate() {
+            for (other, partner_node) in members.iter().enumerate() {
+                // Components do not couple, unless the axes of two nodes differ.
+                let turn = between(ties.axes[*node], ties.axes[*partner_node], B::TURNED);
+                for component in 0..B::COMPONENTS {
+                    let begin = (index * B::COMPONENTS + component) * size + other * B::COMPONENTS;
+                    let mass = inertia[component] * masses[index * members.len() + other];
+                    let entries = element.mass[begin..begin + B::COMPONENTS].iter_mut();
+                    entries.zip(turn[component]).for_each(|(entry, turn)| *entry += mass * turn);
                 }
             }
         }
@@ -195,17 +196,35 @@ impl Element {
         Ok(element)
     }
 
-    /// Adds the masses of the swelling at a sample.
-    fn swell(&mut self, [mixed, own]: [f64; 2], strains: &[[f64; STRAINS]], values: &[f64], components: usize) {
-        let sum = |row: usize| strains[row][0] + strains[row][1];
-        let deflection = |row: usize| if row.is_multiple_of(components) { values[row / components] } else { 0.0 };
-        let size = strains.len();
-        for row in 0..size {
-            for column in 0..size {
-                let cross = deflection(row) * sum(column) + sum(row) * deflection(column);
-                self.mass[row * size + column] += mixed * cross + own * sum(row) * sum(column);
+    /// Adds the lower triangle of the stiffness at a sample, from the strains by all unknowns.
+    fn strain(&mut self, elasticity: &[[f64; STRAINS]; STRAINS], strains: &[Vec<f64>], weight: f64) {
+        let size = strains.first().map_or(0, Vec::len);
+        Arch::new().dispatch(|| {
+            for (row, entries) in self.stiffness.chunks_exact_mut(size).enumerate() {
+                for (line, others) in elasticity.iter().zip(strains) {
+                    let stress: f64 = line.iter().zip(strains).map(|(modulus, strain)| modulus * strain[row]).sum();
+                    if stress != 0.0 {
+                        let stress = weight * stress;
+                        entries[..=row].iter_mut().zip(others).for_each(|(entry, other)| *entry += stress * other);
+                    }
+                }
             }
-        }
+        });
+    }
+
+    /// Adds the masses of the swelling at a sample.
+    fn swell(&mut self, [mixed, own]: [f64; 2], strains: &[Vec<f64>], values: &[f64], components: usize) {
+        let sums: Vec<f64> = strains[0].iter().zip(&strains[1]).map(|(x, y)| x + y).collect();
+        let deflection = |row: usize| if row.is_multiple_of(components) { values[row / components] } else { 0.0 };
+        let deflections: Vec<f64> = (0..sums.len()).map(deflection).collect();
+        Arch::new().dispatch(|| {
+            for ((entries, sum), deflection) in self.mass.chunks_exact_mut(sums.len()).zip(&sums).zip(&deflections) {
+                let (of_sum, of_deflection) = (mixed * deflection + own * sum, mixed * sum);
+                for ((entry, sum), deflection) in entries.iter_mut().zip(&sums).zip(&deflections) {
+                    *entry += of_sum * sum + of_deflection * deflection;
+                }
+            }
+        });
     }
 }
 

@@ -26,6 +26,18 @@ pub struct Discrete {
 }
 
 impl Discrete {
+    /// Moves all nodes to a multiple of their positions; the matrices stay.
+    pub(crate) fn stretch(&mut self, factor: f64) {
+        self.nodes.stretch(factor);
+    }
+
+    /// Makes the slopes of a plate's modes smaller by a factor.
+    pub(crate) fn turn_less(&self, vectors: &mut [Vec<f64>], factor: f64) {
+        for slope in self.unknowns.iter().flat_map(|unknowns| &unknowns[1..]).flatten() {
+            vectors.iter_mut().filter_map(|vector| vector.get_mut(*slope)).for_each(|value| *value /= factor);
+        }
+    }
+
     /// Returns the components of a mode at a node; those beyond `components` are zero.
     pub fn at_node(&self, vector: &[f64], node: usize) -> [f64; 3] {
         let own = self.unknowns[node].map(|unknown| unknown.and_then(|number| vector.get(number)).map_or(0.0, |v| *v));

@@ -95,6 +95,12 @@ impl Nodes {
         Ok(Self { positions, triangles, curved, edges, functions, grid })
     }
 
+    /// Moves all nodes to a multiple of their positions.
+    pub(super) fn stretch(&mut self, factor: f64) {
+        self.positions.as_flattened_mut().iter_mut().for_each(|part| *part *= factor);
+        self.grid = Grid::new(&self.positions, &self.triangles, &self.curved);
+    }
+
     /// Returns the nodes on a side of the outline, in order of their numbers.
     pub fn on_side(&self, side: usize) -> Vec<usize> {
         let edges = self.edges.iter().filter(|edge| edge.side == side);

@@ -25,6 +25,13 @@ pub struct Cells {
 pub const RIGID: usize = 6;
 
 impl Cells {
+    /// Takes grid and mass from other units to metres and kilograms; the matrices stay.
+    pub(crate) fn measure(&mut self, length_m: f64, mass_kg: f64) {
+        let planes = self.grid.planes_m.iter_mut().flatten();
+        planes.chain(&mut self.grid.origin).for_each(|place| *place *= length_m);
+        self.mass_kg *= mass_kg;
+    }
+
     /// Gives the number of cells with a part inside the body.
     pub fn len(&self) -> usize {
         self.members.len()

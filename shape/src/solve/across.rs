@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Body, FIRST_SIZE, SolveError, Wanted};
+use super::{Body, SolveError, Wanted};
 use crate::eigen;
 use crate::element::{Elasticity, PlaneState, Support};
 use crate::file::Kind;
@@ -75,7 +75,7 @@ impl Body {
         if self.kind != Kind::Sheet || self.plane != PlaneState::Stress {
             return Ok(self);
         }
-        let turn = TAU / self.wavelength_m(wanted) * self.thickness_m;
+        let turn = TAU / self.wavelength(wanted) * self.thickness;
         let (poisson, is_wood) = match self.material.elasticity {
             Elasticity::Isotropic { poisson, .. } => (poisson, false),
             Elasticity::Orthotropic { poisson, .. } => (poisson, true),
@@ -143,7 +143,7 @@ impl Trial {
             Wanted::Below(frequency_hz) => {
                 let trial = Self::with(body, wanted)?;
                 let discrete = body.sheet(&trial.mesh, ORDER)?;
-                let below = eigen::count_below(&discrete.problem, (TAU * frequency_hz).powi(2))?;
+                let below = eigen::count_below(&discrete.problem, (TAU * frequency_hz / body.units.rad_per_s).powi(2))?;
                 // One more, which may come below the limit.
                 let count = below.saturating_sub(discrete.rigid) + 1;
                 if count > MOST_MODES { few(count) } else { Ok(Self { count, ..trial }) }
@@ -153,14 +153,14 @@ impl Trial {
 
     fn with(body: &Body, wanted: Wanted) -> Result<Self, SolveError> {
         let count = if let Wanted::Lowest(count) = wanted { count } else { 1 };
-        let mut size_m = FIRST_SIZE * body.wavelength_m(wanted);
+        let [mut size, _] = body.first_sizes().map(|size| size * body.wavelength(wanted));
         loop {
-            let mesh = body.mesh(size_m)?;
+            let mesh = body.mesh(size)?;
             let unknowns = body.sheet(&mesh, ORDER)?.problem.size;
             if unknowns >= LEAST_UNKNOWNS * count {
                 return Ok(Self { mesh, count, unknowns });
             }
-            size_m *= FINER;
+            size *= FINER;
         }
     }
 
@@ -174,7 +174,8 @@ impl Trial {
         let discrete = body.sheet(&self.mesh, ORDER)?;
         let wanted = eigen::Wanted::Lowest(discrete.rigid + self.count);
         let found = eigen::modes(&discrete.problem, wanted, &mut |_, _| {})?;
-        Ok(found.values.iter().skip(discrete.rigid).map(|value| value.max(0.0).sqrt() / TAU).collect())
+        let unit_hz = body.units.rad_per_s / TAU;
+        Ok(found.values.iter().skip(discrete.rigid).map(|value| unit_hz * value.max(0.0).sqrt()).collect())
     }
 }
 

@@ -143,7 +143,7 @@ pub enum SolveError {
     },
     /// Frequencies that still move on the finest mesh.
     #[error(
-        "an error of {error} is asked for, and the finest mesh that fits into memory reaches {reached:.2e}; ask for a larger --error or fewer modes"
+        "an error of {error} is asked for, and the finest mesh within 2 GB of memory reaches {reached:.2e}; ask for a larger --error or fewer modes"
     )]
     NotConverged {
         /// Error that was asked for.

@@ -118,7 +118,7 @@ pub(super) fn of(mesh: &Mesh, parts: &[Part], places: &[Place], strikes: &Places
         figure.rim.push((begin..figure.points.len()).collect());
     }
     figure.on_rim.resize(figure.points.len(), true);
-    figure.inner_edges = inner_edges(mesh, &rim);
+    figure.inner_edges = inner_edges(mesh, &nodes.positions, &rim);
     for place in places.iter().take(MOST_MODES) {
         let part = parts.get(place.part).ok_or(SolveError::NoModes)?;
         let vector = part.found.vectors.get(place.index).ok_or(SolveError::NoModes)?;
@@ -148,13 +148,13 @@ fn key([a, b]: [usize; 2]) -> [usize; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Edges of the mesh that are not on the outline, each once.
-fn inner_edges(mesh: &Mesh, rim: &HashSet<[usize; 2]>) -> Vec<[Point; 2]> {
+/// Edges of the mesh that are not on the outline, each once; vertices are the first nodes.
+fn inner_edges(mesh: &Mesh, positions: &[Point], rim: &HashSet<[usize; 2]>) -> Vec<[Point; 2]> {
     let sides = |vertices: &[usize; 3]| Triangle::EDGES.map(|ends| key(ends.map(|end| vertices[end])));
     let mut seen: HashSet<[usize; 2]> = HashSet::new();
     let edges = mesh.triangles.iter().flat_map(sides);
     let inner = edges.filter(|edge| !rim.contains(edge) && seen.insert(*edge));
-    inner.map(|ends| ends.map(|end| mesh.points[end])).collect()
+    inner.map(|ends| ends.map(|end| positions[end])).collect()
 }
 
 #[cfg(test)]

@@ -5,12 +5,13 @@ use std::thread;
 
 use super::model::{Level, Model};
 use super::parts::{self, Part};
+use super::units::rounded;
 use super::{MOST_UNKNOWNS, SolveError, Wanted};
 use crate::mesh::Mesh;
 
 /// Largest number of meshes, each finer than the one before.
 pub(super) const MOST_MESHES: usize = 10;
-/// Ratio of a mesh's edges to those of the mesh before.
+/// Ratio of a mesh's edges to those of the mesh before, from the third one on.
 const FINER: f64 = 0.7;
 /// Least growth of the number of unknowns from a mesh to the next one.
 const LEAST_GROWTH: f64 = 1.3;
@@ -21,7 +22,8 @@ const LEAST_UNKNOWNS: usize = 6;
 pub(super) struct Levels<'a> {
     model: &'a Model,
     wanted: Wanted,
-    size_m: f64,
+    /// Size of the mesh to make next, and of the one after it.
+    sizes: [f64; 2],
     unknowns: usize,
     /// Number of meshes that were made, without those that were passed over.
     pub(super) made: usize,
@@ -37,7 +39,7 @@ pub(super) struct Searched {
 
 impl<'a> Levels<'a> {
     pub(super) fn new(model: &'a Model, wanted: Wanted) -> Self {
-        Self { model, wanted, size_m: model.first_size_m(wanted), unknowns: 0, made: 0 }
+        Self { model, wanted, sizes: model.first_sizes(wanted).map(rounded), unknowns: 0, made: 0 }
     }
 
     /// Searches the first two discretisations at once, as one alone has no estimate of its error.
@@ -65,11 +67,11 @@ impl Iterator for Levels<'_> {
         // Meshes that are passed over do not count: the short sides of an outline may have one mesh
         // for many sizes.
         while self.made < MOST_MESHES {
-            let level = match self.model.level(self.size_m) {
+            let level = match self.model.level(self.sizes[0]) {
                 Ok(level) => level,
                 error => return Some(error),
             };
-            self.size_m *= FINER;
+            self.sizes = [self.sizes[1], FINER * self.sizes[1]];
             let unknowns = level.first.problem().size;
             if unknowns > MOST_UNKNOWNS {
                 return Some(Err(SolveError::TooLarge { unknowns }));

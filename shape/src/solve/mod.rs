@@ -2,6 +2,7 @@
 
 mod across;
 mod body;
+mod corners;
 mod edges;
 mod error;
 mod figure;
@@ -12,6 +13,8 @@ mod places;
 mod solid;
 mod solid_figure;
 mod solid_places;
+mod theory;
+mod units;
 
 use std::f64::consts::TAU;
 
@@ -81,14 +84,12 @@ pub struct Solved {
 /// Largest number of unknowns, before the size of their factors is known.
 pub const MOST_UNKNOWNS: usize = 400_000;
 /// Least share of the error that is asked for that the mesh may have.
-const MESH_SHARE: f64 = 0.25;
+const MESH_SHARE: f64 = 0.3;
 /// Error that is added to each estimate: that of curves as cubics, of rounding in thin plates, of
 /// corners within their smallest elements.
 const LEAST_ERROR: f64 = 2e-5;
 /// Half the sample rate of boards: modes above it are not heard.
 pub const HIGHEST_HZ: f64 = 24_000.0;
-/// Edge of the first mesh, in wavelengths of the highest mode.
-const FIRST_SIZE: f64 = 0.7;
 
 /// Finds the modes of a shape. `geometry` is the outline or the surface that the file gives or
 /// names; `measured` are frequency and decay of the modes of the table that the material's
@@ -136,15 +137,17 @@ pub fn solve<'a>(
             return Err(SolveError::Inaudible { lowest_hz, highest_hz: HIGHEST_HZ });
         }
         meshes.push(Tried { unknowns, elements, frequencies_hz: elastic.clone() });
-        let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()));
-        // The theory's own error cannot be mended by a finer mesh: that has the rest, or a quarter.
+        let finer = meshes.iter().rev().nth(1).map_or(1.0, |coarse| (coarse.unknowns as f64 / unknowns as f64).sqrt());
+        let left = left(finer, model.falls());
+        let estimates = estimates(&model, &elastic, before.as_ref().map(|before| before.0.as_slice()), left);
+        // The theory's own error cannot be mended by a finer mesh: that has the rest, or a share.
         let is_fine = |(estimate, &frequency): (&f64, &f64)| {
             let theory = model.model_error(frequency);
             estimate - theory <= (error - theory).max(MESH_SHARE * error)
         };
         if estimates.iter().zip(&elastic).all(is_fine) {
             tell(95);
-            let (counted, limit) = parts::count(&parts, last.value)?;
+            let (counted, limit) = parts::count(&model, &parts, last.value)?;
             let is_cut = matches!(wanted, Wanted::Lowest(_)) && parts::is_pair(&parts, last, next);
             let mass_kg = parts.first().map_or(0.0, |part| model.mass_kg(&part.matrices));
             let mode = |(place, &error)| Ok((model.mode(&parts, place, &damping, error)?, *place));
@@ -172,14 +175,23 @@ pub fn solve<'a>(
     Err(SolveError::NotConverged { error, reached: worst })
 }
 
+/// Error of a mesh whose edges are `finer` times those of the mesh before, as a share of what it
+/// changes, if errors fall as a power of the edges: at most all of it, which holds even where they
+/// fall as slowly as at the sharpest corner of a membrane.
+fn left(finer: f64, falls: Option<i32>) -> f64 {
+    let Some(power) = falls else { return 1.0 };
+    let ratio = finer.powi(power);
+    if ratio < 0.5 { ratio / (1.0 - ratio) } else { 1.0 }
+}
+
 /// Estimates the error of each frequency from the mesh before, and of the model.
 ///
-/// The error of a mesh is at most what its frequencies differ from those of the mesh before, even
-/// where it falls as slowly as at the sharpest corner of a membrane. A single difference may be
-/// small by chance, hence each mode has the largest one of all modes up to the next above it.
-fn estimates(model: &Model, frequencies_hz: &[f64], before: Option<&[f64]>) -> Vec<f64> {
+/// The error of a mesh is `left` times what its frequencies differ from those of the mesh before. A
+/// single difference may be small by chance, hence each mode has the largest one of all modes up to
+/// the next above it.
+fn estimates(model: &Model, frequencies_hz: &[f64], before: Option<&[f64]>, left: f64) -> Vec<f64> {
     let change = |(index, &frequency): (usize, &f64)| {
-        before.and_then(|before| before.get(index)).map_or(1.0, |&other| (frequency - other).abs() / frequency)
+        before.and_then(|before| before.get(index)).map_or(1.0, |&other| left * (frequency - other).abs() / frequency)
     };
     let changes: Vec<f64> = frequencies_hz.iter().enumerate().map(change).collect();
     let mut largest = 0.0_f64;

@@ -6,7 +6,9 @@ use super::places::Round;
 use super::solid::SolidBody;
 use super::solid_figure;
 use super::solid_places::SolidPlaces;
+use super::units::Units;
 use super::{Body, Places, SolveError, Wanted};
+use crate::eigen::Modes;
 use crate::file::{Kind, ShapeFile};
 use crate::gain::Gain;
 use crate::mesh::Mesh;
@@ -43,7 +45,7 @@ pub(super) enum Model {
 
 /// Discretisation of a body at one size of its elements.
 pub(super) struct Level {
-    /// Mesh of a flat body or of a profile; a solid has cells instead.
+    /// Mesh of a flat body or of a profile, in the body's units; a solid has cells instead.
     pub(super) mesh: Option<Mesh>,
     /// Matrices of the motion without waves round the axis, of all motion otherwise.
     pub(super) first: Matrices,
@@ -72,23 +74,56 @@ impl Model {
         })
     }
 
-    /// Edge of the first elements, metres.
-    pub(super) fn first_size_m(&self, wanted: Wanted) -> f64 {
+    /// Units in which the body is solved.
+    pub(super) fn units(&self) -> Units {
         match self {
-            Self::Flat { body, .. } => super::FIRST_SIZE * body.wavelength_m(wanted),
-            Self::Solid { body, .. } => super::solid::FIRST_SIZE * body.wavelength_m(wanted),
+            Self::Flat { body, .. } => body.units,
+            Self::Solid { body, .. } => body.units,
         }
     }
 
-    pub(super) fn level(&self, size_m: f64) -> Result<Level, SolveError> {
+    /// Edges of the first elements and of the second ones, in the body's units.
+    pub(super) fn first_sizes(&self, wanted: Wanted) -> [f64; 2] {
+        match self {
+            Self::Flat { body, .. } => body.first_sizes().map(|size| size * body.wavelength(wanted)),
+            Self::Solid { body, .. } => super::solid::FIRST_SIZES.map(|size| size * body.wavelength(wanted)),
+        }
+    }
+
+    /// Takes places and modes to metres, seconds and kilograms; the matrices keep the body's units.
+    pub(super) fn measure(&self, matrices: &mut Matrices, found: &mut Modes) {
+        let units = self.units();
+        units.measure(found);
+        match (self, matrices) {
+            (Self::Flat { body, .. }, Matrices::Flat(discrete)) => {
+                discrete.stretch(units.length_m);
+                if body.kind == Kind::Plate {
+                    discrete.turn_less(&mut found.vectors, units.length_m);
+                }
+            }
+            (_, Matrices::Solid(cells)) => cells.measure(units.length_m, units.mass_kg),
+            (Self::Solid { .. }, Matrices::Flat(_)) => {}
+        }
+    }
+
+    /// Power of the length of the edges as which errors fall at least; `None` if none is known.
+    pub(super) fn falls(&self) -> Option<i32> {
+        match self {
+            Self::Flat { body, .. } => body.falls(),
+            Self::Solid { .. } => None,
+        }
+    }
+
+    /// Discretisation with edges of at most a length, in the body's units.
+    pub(super) fn level(&self, size: f64) -> Result<Level, SolveError> {
         Ok(match self {
             Self::Flat { body, .. } => {
-                let mesh = body.mesh(size_m)?;
+                let mesh = body.mesh(size)?;
                 let first = Matrices::Flat(Box::new(body.elements(&mesh, 0)?));
                 Level { elements: mesh.triangles.len(), mesh: Some(mesh), first }
             }
             Self::Solid { body, .. } => {
-                let cells = body.cells(size_m)?;
+                let cells = body.cells(size)?;
                 Level { elements: cells.len(), mesh: None, first: Matrices::Solid(Box::new(cells)) }
             }
         })

@@ -21,7 +21,7 @@ const ABOVE: f64 = 1e-5;
 /// meshes that are not symmetric are so far apart.
 const PAIR: f64 = 2e-3;
 
-/// Matrices of a part of the motion.
+/// Matrices of a part of the motion, in the body's units, and where its unknowns are.
 pub(super) enum Matrices {
     Flat(Box<Discrete>),
     Solid(Box<Cells>),
@@ -86,18 +86,20 @@ pub(super) fn find(
     wanted: Wanted,
 ) -> Result<Vec<Part>, SolveError> {
     let mut parts: Vec<Part> = Vec::new();
+    let square = model.units().square();
     let (mut next, mut waves, mut above) = (Some(first), 0, 0);
-    while let Some(matrices) = next {
+    while let Some(mut matrices) = next {
         let limit = match wanted {
             Wanted::Below(frequency_hz) => Some((TAU * frequency_hz).powi(2)),
             Wanted::Lowest(count) => sorted(&parts).get(count.saturating_sub(1)).map(|place| place.value),
         };
         let asked = match (limit, wanted) {
-            (Some(limit), _) => eigen::Wanted::Below(limit),
+            (Some(limit), _) => eigen::Wanted::Below(limit / square),
             (None, Wanted::Lowest(count)) => eigen::Wanted::Lowest(count + matrices.rigid()),
             (None, Wanted::Below(_)) => break,
         };
-        let found = eigen::modes(matrices.problem(), asked, &mut |_, _| {})?;
+        let mut found = eigen::modes(matrices.problem(), asked, &mut |_, _| {})?;
+        model.measure(&mut matrices, &mut found);
         // No mode lies below the limit: two such numbers of waves end the search.
         above = if found.values.len() <= matrices.rigid() { above + 1 } else { 0 };
         parts.push(Part { matrices, found, waves });
@@ -122,12 +124,13 @@ pub(super) fn rigid(parts: &[Part]) -> usize {
 
 /// Counts the modes of all parts up to a limit just above the last one of those that are wanted, by
 /// inertia; gives the count and the limit in (rad/s)².
-pub(super) fn count(parts: &[Part], last: f64) -> Result<(usize, f64), EigenError> {
+pub(super) fn count(model: &Model, parts: &[Part], last: f64) -> Result<(usize, f64), EigenError> {
     if let [part] = parts {
         return Ok((part.found.counted, part.found.count_limit));
     }
     let limit = last * (1.0 + ABOVE);
-    let counts = parts.iter().map(|part| Ok(eigen::count_below(part.matrices.problem(), limit)? * part.multiplicity()));
+    let below = limit / model.units().square();
+    let counts = parts.iter().map(|part| Ok(eigen::count_below(part.matrices.problem(), below)? * part.multiplicity()));
     Ok((counts.sum::<Result<usize, EigenError>>()?, limit))
 }
 

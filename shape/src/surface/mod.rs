@@ -35,6 +35,12 @@ impl Surface {
         Ok(surface)
     }
 
+    /// Gives the surface with another coordinate for each one of its vertices.
+    pub(crate) fn with_coordinates(&self, change: impl Fn(f64) -> f64) -> Self {
+        let points = self.points.iter().map(|point| point.map(&change)).collect();
+        Self { points, triangles: self.triangles.clone() }
+    }
+
     /// Gives the vertices, metres.
     pub fn points(&self) -> &[Point] {
         &self.points

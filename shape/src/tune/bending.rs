@@ -29,7 +29,7 @@ const TOLERANCE: f64 = 5e-5;
 /// its motion is across the length more than along it.
 pub(super) fn frequencies_hz(file: &ShapeFile, count: usize) -> Result<Vec<f64>, TuneError> {
     let (body, mesh) = bar(file)?;
-    let modes = modes(&body.sheet(&mesh, ORDER)?, count + BESIDE)?;
+    let modes = modes(&body.sheet(&mesh, ORDER)?, body.units.rad_per_s, count + BESIDE)?;
     Ok(bending(&modes, count)?.iter().map(|mode| mode.hz).collect())
 }
 
@@ -67,9 +67,10 @@ impl Width {
 
     fn by(file: &ShapeFile, count: usize, terms: usize, order: usize) -> Result<Self, TuneError> {
         let (body, mesh) = bar(file)?;
-        let all = modes(&body.sheet(&mesh, order)?, count + BESIDE)?;
+        let unit = body.units.rad_per_s;
+        let all = modes(&body.sheet(&mesh, order)?, unit, count + BESIDE)?;
         let discrete = body.with_terms(terms).sheet(&mesh, order)?;
-        let wide = modes(&discrete, count + BESIDE + BESIDE_WIDE)?;
+        let wide = modes(&discrete, unit, count + BESIDE + BESIDE_WIDE)?;
         let factor = |mode: &Mode| mode.nearest(&wide).map(|wide| wide.hz / mode.hz);
         let factors: Option<Vec<f64>> = bending(&all, count)?.into_iter().map(factor).collect();
         Ok(Self { factors: factors.ok_or(TuneError::NoBending { count })?, terms })
@@ -82,7 +83,7 @@ fn bar(file: &ShapeFile) -> Result<(Body, Mesh), TuneError> {
     let outline = Outline::polygon(polygon, &[]).map_err(SolveError::Outline)?;
     let [low, high] = outline.bounds().unwrap_or_default();
     let body = Body::of(file, &outline, 0.0)?;
-    let mesh = body.mesh(EDGE * (high[1] - low[1]))?;
+    let mesh = body.mesh(EDGE * (high[1] - low[1]) / body.units.length_m)?;
     Ok((body, mesh))
 }
 
@@ -94,12 +95,12 @@ struct Mode {
 }
 
 impl Mode {
-    fn of(discrete: &Discrete, value: f64, vector: &[f64]) -> Self {
+    fn of(discrete: &Discrete, hz: f64, vector: &[f64]) -> Self {
         let node = |node: usize| {
             let [x, y, _] = discrete.at_node(vector, node);
             [x, y]
         };
-        Self { hz: value.max(0.0).sqrt() / TAU, shape: (0..discrete.nodes.positions.len()).map(node).collect() }
+        Self { hz, shape: (0..discrete.nodes.positions.len()).map(node).collect() }
     }
 
     fn bends(&self) -> bool {
@@ -122,11 +123,12 @@ impl Mode {
 }
 
 /// Lowest elastic modes of a bar.
-fn modes(discrete: &Discrete, count: usize) -> Result<Vec<Mode>, TuneError> {
+fn modes(discrete: &Discrete, unit_rad_per_s: f64, count: usize) -> Result<Vec<Mode>, TuneError> {
     let wanted = eigen::Wanted::Lowest(discrete.rigid + count);
     let found = eigen::modes(&discrete.problem, wanted, &mut |_, _| {}).map_err(SolveError::Eigen)?;
     let elastic = found.values.iter().zip(&found.vectors).skip(discrete.rigid);
-    Ok(elastic.map(|(value, vector)| Mode::of(discrete, *value, vector)).collect())
+    let hz = |value: f64| unit_rad_per_s * value.max(0.0).sqrt() / TAU;
+    Ok(elastic.map(|(value, vector)| Mode::of(discrete, hz(*value), vector)).collect())
 }
 
 /// The lowest ones of some modes that bend a bar.

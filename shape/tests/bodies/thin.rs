@@ -19,7 +19,7 @@ const THIN: f64 = 0.0005;
 fn thin_hinged_rectangles_have_the_frequencies_of_the_closed_form() {
     for aspect in [1.0, 1.37, 3.1] {
         let polygon = format!("polygon_m = [[0, 0], [{aspect}, 0], [{aspect}, 1], [0, 1]]");
-        let solved = solve_text(&plate(&polygon, THIN, "hinged"), None, Wanted::Lowest(32), 0.003).unwrap();
+        let solved = solve_text(&plate(&polygon, THIN, "hinged"), None, Wanted::Lowest(32), 0.001).unwrap();
         let waves = (1..40).flat_map(|m| (1..40).map(move |n| [f64::from(m), f64::from(n)]));
         let parameter = |[m, n]: [f64; 2]| PI * PI * ((m / aspect).powi(2) + n * n);
         let expected = sorted(waves.map(|waves| thin_hz(parameter(waves), 1.0, THIN)).collect(), 32);
@@ -37,7 +37,7 @@ fn thin_clamped_rectangles_have_the_frequencies_of_ritz() {
         let change = less.iter().zip(&expected).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         assert!(change < 1e-5, "{change}");
         let polygon = format!("polygon_m = [[0, 0], [{aspect}, 0], [{aspect}, 1], [0, 1]]");
-        let solved = solve_text(&plate(&polygon, THIN, "clamped"), None, Wanted::Lowest(32), 0.003).unwrap();
+        let solved = solve_text(&plate(&polygon, THIN, "clamped"), None, Wanted::Lowest(32), 0.001).unwrap();
         assert_within(&solved, &expected, 0.001);
     }
 }
@@ -50,7 +50,7 @@ fn thin_clamped_discs_and_rings_have_the_frequencies_of_bessel_functions() {
 #[test]
 #[ignore = "ten seconds: 32 modes"]
 fn thin_clamped_discs_and_rings_have_32_frequencies_of_bessel_functions() {
-    assert_rounds(32, 0.003);
+    assert_rounds(32, 0.001);
 }
 
 /// Asserts the lowest frequencies of clamped discs and rings.
@@ -72,7 +72,7 @@ fn thin_wooden_rectangles_have_the_frequencies_of_closed_form_and_ritz() {
 #[test]
 #[ignore = "fifteen seconds: 32 modes"]
 fn thin_wooden_rectangles_have_32_frequencies_of_closed_form_and_ritz() {
-    assert_wood(32, 0.003);
+    assert_wood(32, 0.001);
 }
 
 /// Asserts the lowest frequencies of wooden rectangles.
