@@ -132,7 +132,7 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 /// - on maps: 113 dB, at speeds of up to an eighth of the shortest wave a frame.
 ///
 /// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
-/// -- --nocapture`): 165 at 0.2 m/s, 214 at 0.9 m/s, 221 at 2 m/s; a ball 270; on a map of a
+/// -- --nocapture`): 165 at 0.2 m/s, 221 at 0.9 m/s, 237 at 2 m/s; a ball 270; on a map of a
 /// shortest wave of 62 µm 347 at 0.2 m/s, 528 at 0.35 m/s; at rest 7.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {

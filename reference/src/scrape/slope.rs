@@ -14,7 +14,7 @@ const ONCE_POINTS: f32 = 0.49;
 const TWICE_POINTS: f32 = 0.9;
 /// Points of the next octave in a standard deviation of the smoothing from which on that octave is
 /// read in its place, and the first one in place of the curvature.
-const SMOOTHED_POINTS: f32 = 1.06;
+const SMOOTHED_POINTS: f32 = 2.0;
 /// Points a frame up to which a map is read once; above it is read twice at any speed.
 const MAP_ONCE_POINTS: f32 = 0.25;
 
