@@ -7,6 +7,7 @@ use super::setup::{CyclesLeft, Skipping};
 use super::stage::Stage;
 use super::state::Engine;
 use crate::event::{Action, Event};
+use crate::fixed;
 use crate::room::Sample;
 use crate::scrape::{Contact, Motion};
 use crate::time::TICK_FRAMES;
@@ -80,7 +81,10 @@ impl<S: Sample> Engine<'_, '_, S> {
         contact.seed = contact.seed.wrapping_add(touches << 8);
         // The contact before it, of the same striker, only fades from now on.
         let mut left = CyclesLeft::new(self.stage_cycles, self.sounding_cycles_beside((pad, striker)));
-        if !left.admits(false, Stage::Scrapes.worst_cycles(contact.dearest_tick())) {
+        // A touch takes longer than most ticks, and so do several in one.
+        let first = self.scrapes.touch_cycles.saturating_add(contact.first_tick());
+        let dearest = contact.dearest_tick().max(first);
+        if !left.admits(false, Stage::Scrapes.worst_cycles(dearest)) {
             self.scrapes.refused += 1;
             return;
         }
@@ -122,13 +126,13 @@ impl<S: Sample> Engine<'_, '_, S> {
             let Some(force) = self.contacts.ongoing.begin(index, (pad, striker), place.slot) else { break };
             let is_rendered = scraper.render(place.motion, force).is_ok();
             cycles += scraper.cycles();
-            let is_silent = self.skipping == Skipping::On && force.iter().all(|&x| x == 0);
+            let input = fixed::sum_of_magnitudes(force);
+            let is_silent = self.skipping == Skipping::On && input == 0;
             if is_silent || !is_rendered {
                 self.contacts.ongoing.end(index);
                 continue;
             }
             self.report.scrape_frames += TICK_FRAMES as u32;
-            let input = force.iter().map(|x| u64::from(x.unsigned_abs())).sum();
             self.wake(pad);
             if let Some(voice) = self.voices.get_mut(usize::from(pad)) {
                 voice.expect_ongoing(striker, input);

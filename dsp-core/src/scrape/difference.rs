@@ -1,33 +1,31 @@
 //! Mix of the path's rises at two limits between which those of a tick lie.
 
-use super::kernel::slope::{Mix, ONE};
-use super::ramp::{Normal, Ramp};
-use crate::table::Surface;
+use super::kernel::slope::{MIXED_BITS, Mix};
+use super::ramp::{bits_for, fixed_from};
 
 /// Largest rise of a frame, Q31 of the unit: 1.375 times what the limit allows, since waves cut
 /// off in an octave leave overshoots. Where two segments fade it grows by 1.38, to below 2^30.
 const LARGEST: i32 = 11 << 26;
 
+/// Bits that the weights have less than [`bits_for`] allows.
+const WEIGHT_BITS_LESS: i32 = 5;
+
 impl Mix {
-    /// Prepares a tick: rises at the limits `column` and `column + 1`, with the weights of both at
-    /// the tick's ends. One unit of the result is a rise by `unit`.
-    pub(super) fn new(surface: &Surface<'_>, column: usize, weights: [[f32; 2]; 2], unit: f32) -> Self {
-        let slope = |column: usize| surface.slope_unit().get(column).copied().unwrap_or(0.0);
-        let scaled = |which: usize| {
-            let scale = slope(column + which) * (1.0 / (ONE as f32 * unit));
-            weights.get(which).copied().unwrap_or([0.0; 2]).map(|weight| weight * scale)
-        };
-        let (first, second) = (scaled(0), scaled(1));
-        // Both with the fewer bits of the two.
-        let most = Normal::new(first, 90).bits.min(Normal::new(second, 90).bits);
-        let weights = [first, second].map(|numbers| Ramp::new(Normal::new(numbers, most).values));
-        // The high word has `most - 32` bits.
-        let shift = 31 - (most - 32);
+    /// No rise.
+    pub(super) const NONE: Self = Self { weights: [0; 2], largest: 0, left: 0 };
+
+    /// Prepares a tick with slopes of one in the splines' values at two limits, and with the
+    /// weights of both. One unit of the result is a rise by `unit`.
+    pub(super) fn new(slope_units: [f32; 2], weights: [f32; 2], unit: f32) -> Self {
+        let per_unit = 1.0 / unit;
+        let [first, second] = [weights[0] * slope_units[0] * per_unit, weights[1] * slope_units[1] * per_unit];
+        // Weights of at most 2^24, and rises of at least 31 bits.
+        let bits = (bits_for([first, second], 90) - WEIGHT_BITS_LESS).min(31 + MIXED_BITS);
+        let left = (31 + MIXED_BITS - bits).min(30);
         Self {
-            weights,
-            largest: LARGEST >> shift.clamp(0, 30),
-            left: shift.clamp(0, 30) as u32,
-            right: (-shift).clamp(0, 31) as u32,
+            weights: [first, second].map(|weight| fixed_from(weight, bits)),
+            largest: LARGEST >> left,
+            left: left as u32,
         }
     }
 }

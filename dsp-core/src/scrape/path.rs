@@ -62,27 +62,31 @@ impl Segments {
     /// segment at a speed in steps a frame; at least 1.
     pub(super) fn block(&self, speed: Steps) -> usize {
         let mut frames = TICK_FRAMES;
+        if speed >> (self.bits + 30 - TICK_FRAMES.ilog2()) == 0 {
+            return frames;
+        }
         while frames > 1 && speed.saturating_mul(frames as i64) >= 1 << (30 + self.bits) {
             frames /= 2;
         }
         frames
     }
 
-    /// The two segments between which the boundary nearest to a place lies; `before` is a pair of
-    /// the same path.
-    pub(super) fn nearest(&self, place: Steps, before: &Pair) -> Pair {
-        let bits = 32 + self.bits;
-        let second = (place + (1 << (bits - 1))) >> bits;
-        if second == before.second {
-            return *before;
+    /// Goes from a pair of a path to the two segments between which the boundary nearest to a place
+    /// lies.
+    pub(super) fn go_nearest(&self, place: Steps, pair: &mut Pair) {
+        // Half a segment is at least 2^32.
+        let second = i64::from(((place >> 32) as i32).wrapping_add(1 << (self.bits - 1)) >> self.bits);
+        if second == pair.second {
+            return;
         }
-        Pair {
+        let bits = 32 + self.bits;
+        *pair = Pair {
             offsets: [self.offset(second - 1), self.offset(second)],
             second,
             boundary: second << bits,
             fade: 1 << (bits - FADE_SHIFT),
             shift: self.bits + 1 - FADE_SHIFT,
-        }
+        };
     }
 
     /// Offset from a place on the path to a segment's place in the table.

@@ -12,7 +12,7 @@ pub(super) struct Ramp {
 
 impl Ramp {
     /// Creates the ramp between the values at a tick's ends. Both must be within ±2^30. At the end
-    /// it is up to 31 steps off, which is nothing for [`Normal`] values.
+    /// it is up to 31 steps off, which is nothing for values of [`bits_for`].
     pub(super) const fn new([from, to]: [i32; 2]) -> Self {
         Self { value: from, step: (to - from) / TICK_FRAMES as i32 }
     }
@@ -35,22 +35,12 @@ impl Ramp {
     }
 }
 
-/// Two numbers in fixed point, with as many fraction bits as the larger one allows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Normal {
-    /// Numbers, the larger one 2^29 to 2^30 in size unless `bits` is at its limit.
-    pub(super) values: [i32; 2],
-    /// Number of fraction bits.
-    pub(super) bits: i32,
-}
-
-impl Normal {
-    /// Converts two numbers, with at most `most_bits` fraction bits.
-    pub(super) fn new(numbers: [f32; 2], most_bits: i32) -> Self {
-        let [a, b] = numbers.map(f32::abs);
-        let bits = (28 - exponent(if a > b { a } else { b })).min(most_bits);
-        Self { values: numbers.map(|number| fixed_from(number, bits)), bits }
-    }
+/// Number of fraction bits, at most `most`, with which the larger one of two numbers is 2^28 to
+/// 2^29 in size.
+pub(super) fn bits_for([a, b]: [f32; 2], most: i32) -> i32 {
+    // Numbers from 0 on have the order of their bits.
+    let larger = a.abs().to_bits().max(b.abs().to_bits());
+    (28 - ((larger >> 23) as i32 - 127)).min(most)
 }
 
 /// Exponent of a number above 0: the number is `2^exponent` to below twice as much.

@@ -7,7 +7,7 @@
 
 use super::kernel::roll::{self as kernel, Frames, Pressing, Sinking, Turning};
 use super::motion::MAX_SPEED_M_PER_S;
-use super::ramp::{Normal, Ramp, exponent, fixed_from, power_of_two};
+use super::ramp::{Ramp, bits_for, exponent, fixed_from, power_of_two};
 use crate::SampleRate;
 use crate::exponential;
 use crate::fixed;
@@ -45,12 +45,21 @@ impl Rolling {
 /// State of a ball.
 #[derive(Clone, Debug)]
 pub(super) struct Roll {
-    ball: Rolling,
-    units: Units,
+    /// Share of the normal force that goes up and down.
+    modulation: f32,
+    /// Slope of 1.0.
+    slope: f32,
+    /// From a speed in m/s to radians a frame, and to turns a frame.
+    radians: f32,
+    turns: f32,
+    /// From the depth's rate in m/s to the factor, and from a speed to the most that a turn adds to
+    /// it.
+    damping: f32,
+    turn_damping: f32,
+    /// From a slope's rise in m/s to that of a depth's share in a frame.
+    rise: f32,
     /// Turn of the ball, 2^48 = once round.
     turn: i64,
-    /// Largest depth that is rendered, in metres, but for the path's height.
-    largest_m: f32,
     /// Fraction bits of a depth, as a share of the largest.
     bits: i32,
     /// Resting depth, and offset with 2 bits more.
@@ -93,6 +102,7 @@ impl Roll {
     pub(super) fn new(ball: Rolling, weight_n: f32, units: Units) -> Self {
         let depth = |force_n: f32| exponential::power(f64::from(force_n / ball.stiffness), 2.0 / 3.0) as f32;
         let rest_m = if weight_n > 0.0 { depth(weight_n) } else { 0.0 };
+        // Largest depth that is rendered, but for the path's height.
         let largest_m = 2.0 * (rest_m + ball.offset_m + units.height_m);
         // A slope of one unit has 28 bits, a height 32 more than a depth: what the path rises in a
         // frame at the highest of lower speeds has 30. An even number, so that its power 1.5 is one
@@ -104,11 +114,17 @@ impl Roll {
         let turned = exponent_of_1_5(32 - bits);
         let (stiffness, right) = mantissa(ball.stiffness * largest_m * root / units.force_n, turned + 27);
         let turns = core::f32::consts::TAU * LOWEST_HZ / units.rate.hz_f32();
+        let frame_s = 1.0 / units.rate.hz_f32();
+        let (radians, damping) = (frame_s / ball.radius_m, ball.dissipation / ball.stiffness);
         let mut roll = Self {
-            ball,
-            units,
+            modulation: ball.modulation,
+            slope: units.slope,
+            radians,
+            turns: radians * (1.0 / core::f32::consts::TAU),
+            damping,
+            turn_damping: damping * ball.offset_m / ball.radius_m,
+            rise: frame_s / largest_m,
             turn: 0,
-            largest_m,
             bits,
             rest: fixed_from(rest_m / largest_m, bits),
             offset: fixed_from(ball.offset_m / largest_m, bits + 2),
@@ -131,31 +147,29 @@ impl Roll {
     /// the centre of mass moves down.
     pub(super) fn normal_share(&self, is_backwards: bool) -> f32 {
         let sine = sine_at((self.turn >> 16) as u32) as f32 * power_of_two(-31);
-        1.0 + self.ball.modulation * if is_backwards { sine } else { -sine }
+        1.0 + self.modulation * if is_backwards { sine } else { -sine }
     }
 
     /// Largest and least share of the normal force.
     pub(super) fn normal_shares(&self) -> [f32; 2] {
-        [1.0 - self.ball.modulation, 1.0 + self.ball.modulation]
+        [1.0 - self.modulation, 1.0 + self.modulation]
     }
 
     /// Adds the ball's force over a tick, Q27, to that of the frames, whose slopes are given. The
     /// speeds at the tick's ends are in m/s; `less` is the share of the height, Q32, that is lost
     /// in a frame, with its sign.
     pub(super) fn render(&mut self, speeds: [f32; 2], less: i32, frames: &mut Frames, force: &mut [i32; TICK_FRAMES]) {
-        let frame_s = 1.0 / self.units.rate.hz_f32();
-        let mut unit = self.units.slope;
+        let mut unit = self.slope;
         if speeds.iter().any(|speed| speed.abs() > MAX_SPEED_M_PER_S / SPEEDS) {
             unit *= 1.0 / SPEEDS;
             frames.slopes.iter_mut().for_each(|slope| *slope = fixed::saturating_shift_left(*slope, SPEED_BITS));
         }
-        let radians = speeds.map(|speed| speed * frame_s / self.ball.radius_m);
+        let radians = speeds.map(|speed| speed * self.radians);
         // The high word of a slope of 28 bits and a gain of n bits has n - 4, that of a sine of 30
         // bits n - 2.
-        let damping = self.ball.dissipation / self.ball.stiffness;
-        let slope_rate = speeds.map(|speed| damping * speed * unit);
-        let turn_rate = speeds.map(|speed| damping * speed * self.ball.offset_m / self.ball.radius_m);
-        let bits = Normal::new(slope_rate, 33).bits.min(Normal::new(turn_rate, 31).bits + 2).max(4);
+        let slope_rate = speeds.map(|speed| self.damping * speed * unit);
+        let turn_rate = speeds.map(|speed| self.turn_damping * speed);
+        let bits = bits_for(slope_rate, 33).min(bits_for(turn_rate, 31) + 2).max(4);
         let at = (self.turn >> 16) as u32;
         let mut turning = Turning {
             cosine: sine_at(at.wrapping_add(1 << 30)) >> 1,
@@ -167,7 +181,7 @@ impl Roll {
             rate: Ramp::new(turn_rate.map(|rate| fixed_from(rate, bits - 2))),
         };
         kernel::turn(&mut turning, frames);
-        let rise = speeds.map(|speed| speed * unit * frame_s / self.largest_m);
+        let rise = speeds.map(|speed| speed * unit * self.rise);
         let mut sinking = Sinking {
             height: self.height,
             rise: Ramp::new(rise.map(|rise| fixed_from(rise, self.bits + 4))),
@@ -182,8 +196,7 @@ impl Roll {
         let mut pressing = Pressing { slow: self.slow, stiffness: self.stiffness, share: self.share, right };
         kernel::press(&mut pressing, frames, force);
         self.slow = pressing.slow;
-        let turn_a_frame = frame_s / (core::f32::consts::TAU * self.ball.radius_m);
-        let [from, to] = speeds.map(|speed| (speed * turn_a_frame * power_of_two(48)) as i64);
+        let [from, to] = speeds.map(|speed| (speed * self.turns * power_of_two(48)) as i64);
         let (frames, step) = (TICK_FRAMES as i64, (to - from) / TICK_FRAMES as i64);
         self.turn = self.turn.wrapping_add(from * frames + step * (frames * (frames + 1) / 2));
     }

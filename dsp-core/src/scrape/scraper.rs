@@ -6,7 +6,7 @@ use super::limit::Limits;
 use super::motion::{MAX_SPEED_M_PER_S, Motion, MotionError};
 use super::plane::{HeadingEnd, weights_of};
 use super::power::Powers;
-use super::ramp::{Ramp, exponent, fixed_from, power_of_two};
+use super::ramp::{Ramp, fixed_from, power_of_two};
 use super::roll::{Roll, Rolling, Units};
 use super::scale::Gain;
 use super::slope::{Ends, Reading, Slope};
@@ -90,6 +90,11 @@ impl<'k> Contact<'k> {
     }
 }
 
+/// Number, or 0 in place of one below.
+fn positive(number: f32) -> f32 {
+    if number > 0.0 { number } else { 0.0 }
+}
+
 /// Records of a kit that a contact is made of.
 struct Records<'k> {
     pad_view: Pad<'k>,
@@ -127,8 +132,8 @@ fn limits_m(scrape: &ScrapeRecord, curvature_rms_per_m: f32) -> [f32; 2] {
 /// - on maps: 113 dB, at speeds of up to an eighth of the shortest wave a frame.
 ///
 /// Cost on a Cortex-M4F in cycles a frame (`cargo test -p host-tests --test on_chip scrape::
-/// -- --nocapture`): 177 at 0.2 m/s, 240 at 0.9 m/s, 249 at 2 m/s; a ball 286; on a map of a
-/// shortest wave of 62 µm 389 at 0.2 m/s, 584 at 0.35 m/s; at rest 8.
+/// -- --nocapture`): 165 at 0.2 m/s, 221 at 0.9 m/s, 237 at 2 m/s; a ball 270; on a map of a
+/// shortest wave of 62 µm 347 at 0.2 m/s, 528 at 0.35 m/s; at rest 7.
 #[derive(Clone, Debug)]
 pub struct Scraper<'k> {
     contact: Contact<'k>,
@@ -264,7 +269,7 @@ impl<'k> Scraper<'k> {
         motion.check()?;
         if motion.velocity_m_per_s == [0.0; 2] && self.is_silent() {
             // Nothing moves, and nothing rings.
-            self.normal_n = motion.normal_n.max(0.0);
+            self.normal_n = positive(motion.normal_n);
             force.fill(0);
             return Ok(());
         }
@@ -272,10 +277,10 @@ impl<'k> Scraper<'k> {
         let is_first_motion = self.heading == [0.0; 2];
         let speed = self.signed_speed(motion);
         let is_map = self.contact.surface.rows() > 1;
-        let heading = if is_map { self.heading_over_tick(is_first_motion, motion) } else { Default::default() };
+        let heading = if is_map { Some(self.heading_over_tick(is_first_motion, motion)) } else { None };
         self.speeds = [earliest, earlier, before, speed];
         let share = self.roll.as_ref().map_or(1.0, |roll| roll.normal_share(speed < 0.0));
-        self.normal_n = motion.normal_n.max(0.0) * share;
+        self.normal_n = positive(motion.normal_n) * share;
         let is_resting = speed == 0.0 && before == 0.0;
         let target = if motion.normal_n > 0.0 && !is_resting { 1 << 30 } else { 0 };
         let limit = self.limits.at(self.normal_n);
@@ -283,12 +288,13 @@ impl<'k> Scraper<'k> {
         (self.alpha_m, self.is_first) = (limit, false);
         let [along, _] = self.steps;
         let ends = Ends { steps: [before * along, speed * along], alpha_m: [from, limit], heading };
-        let reading = Reading::of(ends.steps[0].abs().max(ends.steps[1].abs()), is_map);
+        let deviation = deviation_of(self.smoothing_per_m * (from + limit));
+        let largest = if ends.steps[0].abs() > ends.steps[1].abs() { ends.steps[0].abs() } else { ends.steps[1].abs() };
+        let reading = Reading::of(largest, is_map, deviation);
         let halvings = self.halvings();
         let unit = self.unit * power_of_two(-(halvings as i32));
-        self.slope.render(ends, reading, unit, self.smoothing.room(halvings));
-        let deviation = self.smoothing_per_m * (from + limit);
-        self.smoothing.set(deviation_of(deviation), reading.variance());
+        self.slope.render(&ends, reading, unit, self.smoothing.room(halvings));
+        self.smoothing.set(deviation, reading.variance());
         self.smoothing.render(speed == 0.0 && before == 0.0, force);
         self.add_up(halvings, force);
         self.open(target, force);
@@ -298,9 +304,12 @@ impl<'k> Scraper<'k> {
     /// Number of times that the rises' unit can be halved: the rises of all ticks that the
     /// smoothing sees must have room.
     fn halvings(&self) -> u32 {
-        let larger = |largest: f32, speed: &f32| if speed.abs() > largest { speed.abs() } else { largest };
-        let largest = self.speeds.iter().fold(0.0, larger);
-        exponent(MAX_SPEED_M_PER_S / largest).clamp(0, MOST_HALVINGS) as u32
+        // Numbers from 0 on have the order of their bits.
+        let largest = self.speeds.iter().fold(0, |largest: u32, speed| largest.max(speed.abs().to_bits()));
+        // The exponent of the ratio to the highest speed is that of both, one less where the
+        // mantissa of the highest speed is the smaller one: the difference borrows it.
+        let ratio = MAX_SPEED_M_PER_S.to_bits() as i32 - largest as i32;
+        (ratio >> 23).clamp(0, MOST_HALVINGS) as u32
     }
 
     /// Turns smoothed rises of the slope into force.
@@ -309,28 +318,28 @@ impl<'k> Scraper<'k> {
         // The smoothing's rises are those of the tick before.
         let speeds = if self.smoothing.delay() == 0 { [before, speed] } else { [earlier, before] };
         let weights = self.sum.weights(speeds, halvings);
-        let q30 = speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30));
         match &mut self.roll {
             Some(roll) => {
                 let mut frames = Frames::NONE;
-                self.sum.render(weights, q30, force, &mut frames.slopes);
+                self.sum.render(weights, speeds, force, Some(&mut frames.slopes));
                 roll.render(speeds, weights.less, &mut frames, force);
             }
-            None => self.sum.render(weights, q30, force, &mut [0; TICK_FRAMES]),
+            None => self.sum.render(weights, speeds, force, None),
         }
     }
 
     /// Opens or shuts the gate.
     fn open(&mut self, target: i32, force: &mut [i32; TICK_FRAMES]) {
+        if (self.gate, target) == (1 << 30, 1 << 30) {
+            return;
+        }
         let change = match &self.roll {
             Some(_) => fixed_from(TICK_FRAMES as f32 / (GATE_S * self.rate.hz_f32()), 30),
             None => 1 << 30,
         };
         let to = (target - self.gate).min(change).max(-change) + self.gate;
-        if (self.gate, to) != (1 << 30, 1 << 30) {
-            let mut gate = Ramp::new([self.gate, to]);
-            force.iter_mut().for_each(|force| *force = fixed::times_q31(*force, gate.next()) << 1);
-        }
+        let mut gate = Ramp::new([self.gate, to]);
+        force.iter_mut().for_each(|force| *force = fixed::times_q31(*force, gate.next()) << 1);
         self.gate = to;
     }
 
@@ -361,10 +370,9 @@ impl<'k> Scraper<'k> {
             [x, 0.0] => x.abs(),
             [0.0, y] => y.abs(),
             _ => {
-                // One step of Newton's method takes the root from 5e-6 to a number's last bits, so
-                // that places stay where they should be over long paths.
-                let root = f64::from(crate::square_root::rounded_root(square));
-                (0.5 * (root + f64::from(square) / root)) as f32
+                // Rounded to the nearest number, so that places stay where they should be over long
+                // paths.
+                crate::square_root::rounded_root(square)
             }
         };
         let speed = if speed < MAX_SPEED_M_PER_S { speed } else { MAX_SPEED_M_PER_S };

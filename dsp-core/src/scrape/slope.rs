@@ -1,15 +1,16 @@
 //! Rise of the path's slope in each frame, `∫ S'' dx`: the curvature of the surface, limited by
 //! `S'' = tanh(α z'')/α` (scraping-rolling eq. 4 to 7).
 
-use super::kernel::slope::{Mix, read_rises};
+use super::kernel::slope::{self, Mix};
 use super::kernel::{self, Course, Limited};
 use super::path::{Pair, Segments, Steps};
 use super::plane::{HeadingEnd, Plane};
+use super::ramp::{exponent, power_of_two};
 use super::way::Way;
 use super::work::Work;
 use crate::fixed;
 use crate::table::Surface;
-use crate::table::layout::OCTAVES;
+use crate::table::layout::{LIMITS, OCTAVES};
 use crate::time::TICK_FRAMES;
 
 /// Steps of the grid a frame up to which the curvature is read once a frame: from one place to the
@@ -19,8 +20,13 @@ const ONCE_STEPS: f32 = 0.49;
 /// frame, the largest error of a third octave is 0.75 dB instead of 1.34.
 const MAP_ONCE_STEPS: f32 = 0.25;
 /// Steps of the grid a frame up to which it is read twice. From there on the slope is read, from
-/// the octave whose points lie 1/0.9 to 2/0.9 = 1.1 to 2.2 to two frames apart.
+/// the octave of which a frame goes over 0.9 to 1.8 points.
 const TWICE_STEPS: f32 = 0.9;
+/// Points of the next octave in a standard deviation of the smoothing from which on that octave is
+/// read in its place, and the first one in place of the curvature. It lacks waves below two points,
+/// which a smoothing so wide leaves out: with 1.3 points a third of an octave was 8 dB off, with
+/// 1.9 it was 1.3 dB.
+const SMOOTHED_POINTS: f32 = 2.0;
 
 /// Way of reading a surface over a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,17 +40,23 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile. Maps
-    /// have no slopes: the slope at a place depends on the path that has led there.
-    pub(super) fn of(steps: f32, is_map: bool) -> Self {
+    /// Way for a tick whose largest speed is given in steps a frame, on a map or a profile, with
+    /// the standard deviation of its smoothing in frames. Maps have no slopes: the slope at a place
+    /// depends on the path that has led there.
+    pub(super) fn of(steps: f32, is_map: bool, deviation: f32) -> Self {
         if steps <= if is_map { MAP_ONCE_STEPS } else { ONCE_STEPS } {
             return Self::Once;
         }
-        if steps <= TWICE_STEPS || is_map {
+        if is_map {
             return Self::Twice;
         }
-        let octave = ((steps * (1.0 / TWICE_STEPS)).to_bits() >> 23) as usize;
-        Self::Octave(octave.saturating_sub(127).min(OCTAVES - 1))
+        // -1 where the curvature is read.
+        let octave = exponent(steps * (1.0 / TWICE_STEPS));
+        let is_smoothed = steps * power_of_two(-octave - 1) * deviation >= SMOOTHED_POINTS;
+        match octave + i32::from(is_smoothed) {
+            ..0 => Self::Twice,
+            octave => Self::Octave((octave as usize).min(OCTAVES - 1)),
+        }
     }
 
     /// Variance in square frames of the mean that the reading takes over each frame.
@@ -58,14 +70,14 @@ impl Reading {
 }
 
 /// Speeds and limits at the ends of a tick.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Ends {
     /// Speed along the surface, steps of the grid a frame; negative backwards.
     pub(super) steps: [f32; 2],
     /// Limit α in metres.
     pub(super) alpha_m: [f32; 2],
     /// Motion over the plane, which maps need.
-    pub(super) heading: [HeadingEnd; 2],
+    pub(super) heading: Option<[HeadingEnd; 2]>,
 }
 
 /// Preparation of a tick, by its way of reading.
@@ -85,7 +97,9 @@ pub(super) struct Slope<'k> {
     place: Steps,
     /// Place on a map.
     plane: Option<Plane<'k>>,
-    between: Between,
+    numbers: Numbers,
+    /// Limit in metres at the end of the last tick, and its inverse.
+    last: [f32; 2],
     /// Segments of the last block.
     pair: Pair,
     /// Work of the last tick.
@@ -96,13 +110,22 @@ impl<'k> Slope<'k> {
     /// Reader at rest; [`Slope::begin`] must follow.
     pub(super) const fn new(surface: Surface<'k>) -> Self {
         let segments = Segments::new(0, 0);
-        Self { surface, segments, place: 0, plane: None, between: Between::NONE, pair: Pair::NONE, work: Work::NONE }
+        Self {
+            surface,
+            segments,
+            place: 0,
+            plane: None,
+            numbers: Numbers::NONE,
+            last: [0.0; 2],
+            pair: Pair::NONE,
+            work: Work::NONE,
+        }
     }
 
     /// Begins to read a surface from place 0.
     pub(super) fn begin(&mut self, surface: Surface<'k>, seed: u32) {
         (self.surface, self.place, self.work) = (surface, 0, Work::NONE);
-        self.between = Between::new(&surface);
+        (self.numbers, self.last) = (Numbers::new(&surface), [0.0; 2]);
         self.plane = Plane::new(&surface);
         self.segments = match &self.plane {
             Some(plane) => Segments::in_map(plane.shorter(), seed),
@@ -114,18 +137,17 @@ impl<'k> Slope<'k> {
     /// Goes on over a tick.
     ///
     /// Gives the rise of the slope in each frame, Q31 of `unit`, within ±2^30.
-    pub(super) fn render(&mut self, ends: Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
+    pub(super) fn render(&mut self, ends: &Ends, reading: Reading, unit: f32, rises: &mut [i32; TICK_FRAMES]) {
         self.work = Work::NONE;
         let mut way = Way::new(ends.steps);
         let largest = way.largest();
         let block = self.segments.block(largest);
-        let mut tick = self.prepared(&ends, reading, unit);
-        if let Some(plane) = &mut self.plane {
-            plane.begin(&ends.heading, reading == Reading::Once);
+        let mut tick = self.prepared(ends, reading, unit);
+        if let (Some(plane), Some(heading)) = (&mut self.plane, &ends.heading) {
+            plane.begin(heading, reading == Reading::Once);
         }
         for rises in rises.chunks_mut(block) {
-            self.block(&mut tick, way, largest, rises);
-            self.place += way.go_on(rises.len());
+            self.place = self.block(&mut tick, &mut way, largest, rises);
             if let Some(plane) = &mut self.plane {
                 plane.go_on(rises.len());
             }
@@ -137,9 +159,9 @@ impl<'k> Slope<'k> {
         self.work
     }
 
-    /// Rises of a block of frames from the place on.
-    fn block(&mut self, tick: &mut Tick, way: Way, largest: i64, rises: &mut [i32]) {
-        let mut behind = way;
+    /// Rises of a block of frames from the place on; gives the place behind it.
+    fn block(&mut self, tick: &mut Tick, behind: &mut Way, largest: i64, rises: &mut [i32]) -> Steps {
+        let way = *behind;
         let end = self.place + behind.go_on(rises.len());
         let is_turning = (way.speed + way.step < 0) != (behind.speed < 0);
         let between = if rises.len() == 1 {
@@ -151,24 +173,28 @@ impl<'k> Slope<'k> {
         } else {
             [self.place.min(end), self.place.max(end)]
         };
-        let pair = self.segments.nearest(between[0], &self.pair);
-        self.pair = pair;
-        match pair.only(between) {
-            Some(only) => self.read(tick, (&pair, only == 1), way, rises),
-            None => {
-                self.read(&mut tick.clone(), (&pair, true), way, rises);
-                let mut others = [0; TICK_FRAMES];
-                others.iter_mut().zip(rises.iter()).for_each(|(other, rise)| *other = *rise);
-                self.read(tick, (&pair, false), way, rises);
-                self.fade(&pair, way.ends(), rises, &others);
-            }
+        self.segments.go_nearest(between[0], &mut self.pair);
+        match self.pair.only(between) {
+            Some(only) => self.read(tick, only == 1, way, rises),
+            None => self.read_both(tick, way, rises),
         }
+        end
+    }
+
+    /// Rises of a block in which one segment fades into the next.
+    #[inline(never)] // its buffer must not weigh on other blocks
+    fn read_both(&mut self, tick: &mut Tick, way: Way, rises: &mut [i32]) {
+        let mut others = [0; TICK_FRAMES];
+        let Some(others) = others.get_mut(..rises.len()) else { return };
+        self.read(&mut tick.clone(), true, way, others);
+        self.read(tick, false, way, rises);
+        self.fade(way.ends(), rises, others);
     }
 
     /// Fades rises in one segment into those in the next.
-    fn fade(&mut self, pair: &Pair, [mut speed, step]: [i64; 2], rises: &mut [i32], others: &[i32]) {
+    fn fade(&mut self, [mut speed, step]: [i64; 2], rises: &mut [i32], others: &[i32]) {
         self.work.fades += rises.len() as u32;
-        let mut place = self.place;
+        let (mut place, pair) = (self.place, self.pair);
         for (rise, other) in rises.iter_mut().zip(others) {
             speed += step;
             *rise = faded(*rise, *other, pair.weight(place + (speed >> 1)));
@@ -176,15 +202,15 @@ impl<'k> Slope<'k> {
         }
     }
 
-    /// Rises of a block in one of two segments.
-    fn read(&mut self, tick: &mut Tick, segment: (&Pair, bool), way: Way, rises: &mut [i32]) {
+    /// Rises of a block in the second of two segments, or in the first.
+    fn read(&mut self, tick: &mut Tick, is_second: bool, way: Way, rises: &mut [i32]) {
         let frames = rises.len() as u32;
         self.work.blocks += 1;
         match tick {
             Tick::Once(limited) => {
                 match &mut self.plane {
-                    Some(plane) => plane.read((&self.segments, segment.0, segment.1), &mut self.work, rises),
-                    None => self.curvatures(way.middles(self.place + segment.0.offset(segment.1)), rises),
+                    Some(plane) => plane.read((&self.segments, &self.pair, is_second), &mut self.work, rises),
+                    None => self.curvatures(way.middles(self.place + self.pair.offset(is_second)), rises),
                 }
                 kernel::limit(limited, rises);
             }
@@ -192,17 +218,17 @@ impl<'k> Slope<'k> {
                 let mut halves = [0; 2 * TICK_FRAMES];
                 let Some(halves) = halves.get_mut(..2 * rises.len()) else { return };
                 match &mut self.plane {
-                    Some(plane) => plane.read_twice((&self.segments, segment.0, segment.1), &mut self.work, halves),
-                    None => self.curvatures(way.quarters(self.place + segment.0.offset(segment.1)), halves),
+                    Some(plane) => plane.read_twice((&self.segments, &self.pair, is_second), &mut self.work, halves),
+                    None => self.curvatures(way.quarters(self.place + self.pair.offset(is_second)), halves),
                 }
                 kernel::limit_halves(limited, halves, rises);
             }
             Tick::Octave(octave, column, mix) => {
                 self.work.slopes += frames;
-                let points = self.surface.grid_points() >> *octave;
-                let place = self.segments.in_table(self.place + segment.0.offset(segment.1)) >> *octave;
+                let (table, points) = (self.surface.slopes(*octave), self.surface.grid_points() >> *octave);
+                let place = self.segments.in_table(self.place + self.pair.offset(is_second)) >> *octave;
                 let strides = way.strides(place, *octave, points);
-                read_rises((self.surface.slopes(*octave), points, *column), strides, mix, rises);
+                slope::read_rises(slope::Octave { table, points, column: *column }, strides, mix, rises);
             }
         }
     }
@@ -214,61 +240,99 @@ impl<'k> Slope<'k> {
         kernel::read(self.surface.curvature(), self.surface.grid_points(), course, values);
     }
 
-    fn prepared(&self, ends: &Ends, reading: Reading, unit: f32) -> Tick {
-        let inverse = ends.alpha_m.map(|alpha_m| 1.0 / alpha_m);
-        let (column, shares) = self.between(ends.alpha_m, inverse);
+    fn prepared(&mut self, ends: &Ends, reading: Reading, unit: f32) -> Tick {
+        let [from_m, to_m] = ends.alpha_m;
+        let [last_m, last_inverse] = self.last;
+        // Most ticks begin where the one before has ended.
+        let inverse = [if from_m == last_m { last_inverse } else { 1.0 / from_m }, 1.0 / to_m];
+        self.last = [to_m, inverse[1]];
+        let numbers = &self.numbers;
+        let column = usize::from(from_m + to_m > numbers.twice_m);
+        let Some(between) = numbers.between.get(column) else { return Tick::Octave(0, 0, Mix::NONE) };
+        // Straight lines over the limits' inverses, the largest curvatures.
+        let shares = inverse.map(|inverse| ((between.low - inverse) * between.scale).clamp(-1.0, 2.0));
         if let Reading::Octave(octave) = reading {
-            let gain = self.surface.mix_gain().get(column).copied().unwrap_or(0.0);
+            let gain = between.gain;
+            // One mix for the tick.
             let first = shares.map(|s| (1.0 - s) * (1.0 + gain * s));
             let second = shares.map(|s| s * (1.0 + gain * (1.0 - s)));
-            return Tick::Octave(octave, column, Mix::new(&self.surface, column, [first, second], unit));
+            let weights = [first, second].map(|[from, to]| 0.5 * (from + to));
+            return Tick::Octave(octave, column, Mix::new(between.slope_units, weights, unit));
         }
-        let metres = self.surface.grid_step_m() / unit;
+        let metres = numbers.step_m / unit;
         let [from, to] = ends.steps;
         let rise = [from * metres * inverse[0], to * metres * inverse[1]];
         // The mean belongs to no wave of the surface: path and slope would drift with it.
-        let means = self.surface.mean_per_m();
-        let mean = |column: usize| means.get(column).copied().unwrap_or(0.0);
-        let mut mean = shares.map(|share| mean(column) + share * (mean(column + 1) - mean(column)));
-        if let Some(plane) = &self.plane {
-            for ((mean, share), end) in mean.iter_mut().zip(shares).zip(&ends.heading) {
+        let mut mean = shares.map(|share| between.mean + share * between.mean_rise);
+        if let (Some(plane), Some(heading)) = (&self.plane, &ends.heading) {
+            for ((mean, share), end) in mean.iter_mut().zip(shares).zip(heading) {
                 let [first, second] = plane.means_per_m(column, end.directions);
                 *mean += first + share * (second - first);
             }
         }
         let mean = 0.5 * metres * (from * mean[0] + to * mean[1]);
-        let limited = Limited::new(&self.surface, ends.alpha_m, rise, mean);
+        let limited = Limited::new(numbers.curvature_unit, ends.alpha_m, rise, mean);
         if reading == Reading::Twice { Tick::Twice(limited) } else { Tick::Once(limited) }
-    }
-
-    /// First of the two limits of the table between which limits lie, and the share of the second
-    /// one at each: straight lines over the limits' inverses, the largest curvatures.
-    fn between(&self, alpha_m: [f32; 2], inverse: [f32; 2]) -> (usize, [f32; 2]) {
-        let Between { twice_m, low, scale } = self.between;
-        let column = usize::from(alpha_m[0] + alpha_m[1] > twice_m);
-        let (low, scale) = if column == 0 { (low[0], scale[0]) } else { (low[1], scale[1]) };
-        (column, inverse.map(|inverse| ((low - inverse) * scale).clamp(-1.0, 2.0)))
     }
 }
 
-/// Numbers of a table's limits that give the share of each.
+/// Numbers of a surface that each tick needs.
 #[derive(Clone, Copy, Debug)]
-struct Between {
+struct Numbers {
+    /// Distance of the grid's points in metres.
+    step_m: f32,
+    /// Curvature of one in a spline's value, 1/m.
+    curvature_unit: f32,
     /// Twice the middle limit, in metres.
     twice_m: f32,
-    /// Inverse of the lower of two neighbouring limits, and of the distance of their inverses.
-    low: [f32; 2],
-    scale: [f32; 2],
+    between: [Between; LIMITS - 1],
+}
+
+/// Numbers of two neighbouring limits of a table.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    /// Inverse of the lower limit, and one over the distance of both inverses.
+    low: f32,
+    scale: f32,
+    /// Mean curvature at the lower limit, 1/m, and what that at the higher one is above it.
+    mean: f32,
+    mean_rise: f32,
+    /// Gain by which a mix of the slopes falls short.
+    gain: f32,
+    /// Slope of one in a spline's value at both limits.
+    slope_units: [f32; 2],
+}
+
+impl Numbers {
+    const NONE: Self = Self { step_m: 0.0, curvature_unit: 0.0, twice_m: 0.0, between: [Between::NONE; LIMITS - 1] };
+
+    fn new(surface: &Surface<'_>) -> Self {
+        let (alpha_m, means, gains) = (surface.alpha_m(), surface.mean_per_m(), surface.mix_gain());
+        let units = surface.slope_unit().map(|unit| unit * (1.0 / slope::ONE as f32));
+        let [low, middle, high] = alpha_m.map(|alpha_m| 1.0 / alpha_m);
+        let between = |low: f32, high: f32, means: [f32; 2], gain: f32, slope_units: [f32; 2]| Between {
+            low,
+            scale: 1.0 / (low - high),
+            mean: means[0],
+            mean_rise: means[1] - means[0],
+            gain,
+            slope_units,
+        };
+        let one = if surface.rows() > 1 { kernel::map::MAP_ONE } else { kernel::ONE };
+        Self {
+            step_m: surface.grid_step_m(),
+            curvature_unit: surface.curvature_unit_per_m() * (1.0 / one as f32),
+            twice_m: 2.0 * alpha_m[1],
+            between: [
+                between(low, middle, [means[0], means[1]], gains[0], [units[0], units[1]]),
+                between(middle, high, [means[1], means[2]], gains[1], [units[1], units[2]]),
+            ],
+        }
+    }
 }
 
 impl Between {
-    const NONE: Self = Self { twice_m: 0.0, low: [0.0; 2], scale: [0.0; 2] };
-
-    fn new(surface: &Surface<'_>) -> Self {
-        let [least, middle, most] = surface.alpha_m().map(|alpha_m| 1.0 / alpha_m);
-        let twice_m = 2.0 * surface.alpha_m()[1];
-        Self { twice_m, low: [least, middle], scale: [1.0 / (least - middle), 1.0 / (middle - most)] }
-    }
+    const NONE: Self = Self { low: 0.0, scale: 0.0, mean: 0.0, mean_rise: 0.0, gain: 0.0, slope_units: [0.0; 2] };
 }
 
 /// Mix of two independent signals that keeps the power within 0.3 dB: weights `s(1 - w)` and

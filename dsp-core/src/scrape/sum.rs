@@ -1,8 +1,9 @@
 //! Sum of the vertical and the horizontal force, frame by frame.
 
 use super::kernel::{self, Adding};
+use super::motion::MAX_SPEED_M_PER_S;
 use super::power::Powers;
-use super::ramp::{Normal, Ramp, fixed_from, power_of_two};
+use super::ramp::{Ramp, bits_for, fixed_from, power_of_two};
 use super::scale::Gain;
 use crate::fixed;
 use crate::time::TICK_FRAMES;
@@ -58,8 +59,8 @@ impl Sum {
         let vertical = speeds.map(|speed| speed * self.vertical * power_of_two(-(halvings as i32)));
         let horizontal = if self.powers.is_some() { [0.0; 2] } else { speeds.map(|speed| speed * self.horizontal) };
         // The high word of a rise of 31 bits and a gain of n bits has n - 1.
-        let bits = Normal::new(vertical, 90).bits - 1;
-        let bits = bits.min(Normal::new(horizontal, 90).bits + SLOPE_BITS - 32).clamp(0, 58);
+        let bits = bits_for(vertical, 90) - 1;
+        let bits = bits.min(bits_for(horizontal, 90) + SLOPE_BITS - 32).clamp(0, 58);
         let left = 27 - bits;
         Weights {
             rise: 1 << (SLOPE_BITS as u32 + 1).saturating_sub(halvings),
@@ -72,34 +73,44 @@ impl Sum {
     }
 
     /// Turns rises of the slope, Q31 of a unit, into force, Q27 of the bus, saturated, and gives
-    /// the slope in each frame. `speeds` are those at the ends of the tick as shares of the highest
-    /// one, Q30.
+    /// the slope in each frame to whom it concerns. The speeds at the ends of the tick are in m/s.
     pub(super) fn render(
         &mut self,
         weights: Weights,
-        speeds: [i32; 2],
+        speeds: [f32; 2],
         frames: &mut [i32; TICK_FRAMES],
-        slopes: &mut [i32; TICK_FRAMES],
+        slopes: Option<&mut [i32; TICK_FRAMES]>,
     ) {
         let Weights { rise: gain, vertical, horizontal, left, right, less } = weights;
         let mut adding = Adding { slope: self.slope, gain, less, vertical, horizontal, right, left };
-        kernel::add_up(&mut adding, frames, slopes);
-        self.slope = adding.slope;
-        if let Some((powers, gain)) = &self.powers {
-            add_powers(powers, *gain, Ramp::new(speeds), frames, slopes);
+        match (&self.powers, slopes) {
+            (None, None) => kernel::add_up_alone(&mut adding, frames),
+            (None, Some(slopes)) => kernel::add_up(&mut adding, frames, slopes),
+            (Some((powers, gain)), Some(slopes)) => {
+                kernel::add_up(&mut adding, frames, slopes);
+                add_powers(powers, *gain, speeds, frames, slopes);
+            }
+            (Some((powers, gain)), None) => {
+                let mut slopes = [0; TICK_FRAMES];
+                kernel::add_up(&mut adding, frames, &mut slopes);
+                add_powers(powers, *gain, speeds, frames, &slopes);
+            }
         }
+        self.slope = adding.slope;
     }
 }
 
-/// Adds the horizontal force of slopes with another exponent than 1.
+/// Adds the horizontal force of slopes with another exponent than 1, at speeds in m/s.
 #[inline(never)]
 fn add_powers(
     powers: &Powers,
     gain: Gain,
-    mut speed: Ramp,
+    speeds: [f32; 2],
     frames: &mut [i32; TICK_FRAMES],
     slopes: &[i32; TICK_FRAMES],
 ) {
+    // As shares of the highest speed, Q30.
+    let mut speed = Ramp::new(speeds.map(|speed| fixed_from(speed / MAX_SPEED_M_PER_S, 30)));
     for (frame, slope) in frames.iter_mut().zip(slopes) {
         // Speed Q30 and slope Q28, of 4 units at most: as Q63 of 8 units.
         let product = i64::from(*slope) * i64::from(speed.next());

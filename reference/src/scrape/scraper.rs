@@ -110,13 +110,13 @@ impl Scraper {
         let frame = 1.0 / (self.contact.surface.grid_step_m as f32 * self.rate.hz() as f32);
         let points = [before * frame, self.speed * frame];
         let map = self.contact.surface.map.as_ref();
-        let reading = Reading::of(points[0].abs().max(points[1].abs()), map.is_some());
+        let mean_m = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
+        let deviation = rounded(self.contact.smoothing_s * 0.5 * (from_m + limit_m) / mean_m * self.rate.hz());
+        let reading = Reading::of(points[0].abs().max(points[1].abs()), map.is_some(), deviation);
         let across = map.map_or(1.0, |map| 1.0 / (map.row_step_m as f32 * self.rate.hz() as f32));
         let heading = self.heading_over_tick(before_heading, motion, [frame, across]);
         let rises = self.slope.render((points, &heading), [from_m, limit_m], reading);
-        let mean_m = 0.5 * (self.contact.alpha_m[0] + self.contact.alpha_m[1]);
-        let deviation = self.contact.smoothing_s * 0.5 * (from_m + limit_m) / mean_m * self.rate.hz();
-        let rises = self.smoothing.render(rounded(deviation), reading.variance(), rises);
+        let rises = self.smoothing.render(deviation, reading.variance(), rises);
         // The smoothing's rises are those of the tick before.
         let ends = if self.smoothing.delay() == 0 { [before, self.speed] } else { [self.earlier, before] };
         self.earlier = before;

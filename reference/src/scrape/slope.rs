@@ -1,8 +1,8 @@
 //! Rise of the path's slope in each frame.
 //!
 //! A slow contact reads the curvature in the middle of the frame, or at a quarter and at three
-//! quarters. A fast one takes the difference of the slope at both ends, from the octave whose
-//! points lie about a frame apart.
+//! quarters. A fast one takes the difference of the slope at both ends, from the octave
+//! whose points lie about a frame apart.
 
 use super::path::{POINT, Segments};
 use super::plane::{Heading, Tick};
@@ -12,6 +12,9 @@ use super::{TICK_FRAMES, ramp};
 /// Points a frame up to which the curvature is read once, and twice.
 const ONCE_POINTS: f32 = 0.49;
 const TWICE_POINTS: f32 = 0.9;
+/// Points of the next octave in a standard deviation of the smoothing from which on that octave is
+/// read in its place, and the first one in place of the curvature.
+const SMOOTHED_POINTS: f32 = 2.0;
 /// Points a frame up to which a map is read once; above it is read twice at any speed.
 const MAP_ONCE_POINTS: f32 = 0.25;
 
@@ -24,14 +27,21 @@ pub(super) enum Reading {
 }
 
 impl Reading {
-    /// Way for a tick whose largest speed is given in points a frame, on a map or a profile.
-    pub(super) fn of(points: f32, is_map: bool) -> Self {
+    /// Way for a tick whose largest speed is given in points a frame, on a map or a profile, with
+    /// the standard deviation of its smoothing in frames.
+    pub(super) fn of(points: f32, is_map: bool, deviation: f32) -> Self {
         if points <= if is_map { MAP_ONCE_POINTS } else { ONCE_POINTS } {
             Self::Once
-        } else if points <= TWICE_POINTS || is_map {
+        } else if is_map {
             Self::Twice
         } else {
-            Self::Octave(((points * (1.0 / TWICE_POINTS)).log2() as usize).min(6))
+            // -1 where the curvature is read.
+            let octave = (points * (1.0 / TWICE_POINTS)).log2().floor() as i32;
+            let is_smoothed = points * 2f32.powi(-octave - 1) * deviation >= SMOOTHED_POINTS;
+            match octave + i32::from(is_smoothed) {
+                ..0 => Self::Twice,
+                octave => Self::Octave((octave as usize).min(6)),
+            }
         }
     }
 
@@ -77,7 +87,7 @@ impl Slope {
         let mut speed = from - (step >> 1);
         let metres = self.surface.grid_step_m;
         let limits: Vec<f64> = ramp(alpha_m[0], alpha_m[1]).collect();
-        // The largest rise, and shares of limits, go in straight lines over the tick.
+        // The largest rise goes in a straight line over the tick.
         let largest: Vec<f64> =
             ramp(f64::from(points[0]) * metres / alpha_m[0], f64::from(points[1]) * metres / alpha_m[1]).collect();
         let column = usize::from(0.5 * (alpha_m[0] + alpha_m[1]) > self.surface.alpha_m[1]);
@@ -85,8 +95,8 @@ impl Slope {
         let share = |alpha_m: f64| ((1.0 / low - 1.0 / alpha_m) / (1.0 / low - 1.0 / high)).clamp(-1.0, 2.0);
         let gain = self.surface.mix_gain[column];
         let weights = alpha_m.map(share).map(|s| [(1.0 - s) * (1.0 + gain * s), s * (1.0 + gain * (1.0 - s))]);
-        let own: Vec<f64> = ramp(weights[0][0], weights[1][0]).collect();
-        let other: Vec<f64> = ramp(weights[0][1], weights[1][1]).collect();
+        // One mix for the tick.
+        let [own, other] = [0, 1].map(|which| 0.5 * (weights[0][which] + weights[1][which]));
         let mean = |end: usize| {
             let means = &self.surface.mean_per_m;
             let at = |column: usize| {
@@ -125,15 +135,15 @@ impl Slope {
                     let value = |place| self.surface.slope_at(octave, limit, self.segments.in_table(place + offset));
                     value(self.place) - value(begin)
                 };
-                own[frame] * difference(column) + other[frame] * difference(column + 1)
+                own * difference(column) + other * difference(column + 1)
             };
             let read = |next: usize| match reading {
                 Reading::Once => limited(next, 2),
                 Reading::Twice => 0.5 * (limited(next, 1) + limited(next, 3)),
                 Reading::Octave(octave) => risen(at.offsets[next], octave),
             };
-            let own = read(0);
-            at.fade.map_or(own, |weight| own * fade_curve(1.0 - weight) + read(1) * fade_curve(weight))
+            let here = read(0);
+            at.fade.map_or(here, |weight| here * fade_curve(1.0 - weight) + read(1) * fade_curve(weight))
         })
     }
 }

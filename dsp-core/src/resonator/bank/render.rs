@@ -94,7 +94,7 @@ impl Bank<'_> {
     ) -> BankWork {
         let mut work = BankWork::default();
         let mut second = second.filter(|_| self.has_second_gains()).unwrap_or(&[]);
-        let mut sum = force.map_or(0, sum_of_magnitudes) + sum_of_magnitudes(second);
+        let mut sum = force.map_or(0, fixed::sum_of_magnitudes) + fixed::sum_of_magnitudes(second);
         let Some(force) = force.filter(|_| !skip || sum > 0) else {
             if self.is_ringing() || !skip {
                 self.ring_on_bus(odd_start, skip, out);
@@ -175,12 +175,13 @@ impl Bank<'_> {
         if self.has_onset() {
             onset = Some(self.onset_mix(force, gains.shift)?);
         }
-        let sum = sum_of_magnitudes(force);
+        let sum = fixed::sum_of_magnitudes(force);
         self.allowance = self.allowance.checked_sub(sum).filter(|_| sum > 0)?;
         self.spent = self.spent.saturating_add(sum);
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip: true, add: false };
         let stereo = self.stereo(gains, out);
-        let mut shifted = self.shifted(force);
+        let mut shifted = [0; TICK_FRAMES];
+        self.shift(force, &mut shifted);
         if self.has_mirrored() {
             self.drive_stereo_mirrored(run, (&mut shifted, onset.as_ref()), odd_start, stereo);
         } else if let Some((groups, modes)) = self.plain() {
@@ -233,16 +234,14 @@ impl Bank<'_> {
         }
     }
 
-    /// Force as the gains expect it.
+    /// Force as the gains expect it, in a place of zeros.
     #[inline(always)]
-    fn shifted(&self, force: &[i32]) -> Backward {
+    fn shift(&self, force: &[i32], shifted: &mut Backward) {
         let force_shift = u32::from(self.force_shift);
-        let mut shifted = [0; TICK_FRAMES];
         // Within the allowance |x| << force_shift stays below 2^31.
         for (shifted, &x) in shifted.iter_mut().rev().zip(force) {
             *shifted = x.wrapping_shl(force_shift);
         }
-        shifted
     }
 
     /// Renders the sound of the mirrored modes under a force. True if there are any.
@@ -265,7 +264,8 @@ impl Bank<'_> {
     /// Adds a run under a force for which the groups are guarded.
     fn drive(&mut self, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
-        let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
+        let (mut mix, mut shifted) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
+        self.shift(force, &mut shifted);
         let add = self.has_mirrored() && self.drive_mirrored(run, &mut shifted, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain() {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
@@ -277,7 +277,8 @@ impl Bank<'_> {
     #[inline(never)] // it must not weigh on runs with one
     fn drive_both(&mut self, (force, second): (&[i32], &[i32]), odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: true };
-        let (mut mix, mut forces) = ([0; TICK_FRAMES], [self.shifted(force), self.shifted(second)]);
+        let (mut mix, mut forces) = ([0; TICK_FRAMES], [[0; TICK_FRAMES]; 2]);
+        forces.iter_mut().zip([force, second]).for_each(|(shifted, force)| self.shift(force, shifted));
         let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
         let (groups, modes, gains) = (&*self.groups, &mut *self.modes, &*self.second.gains);
         let (groups, mirrored) = groups.split_at_checked(plain_groups).unwrap_or((groups, &[]));
@@ -321,9 +322,22 @@ impl Bank<'_> {
                     *out = fixed::qadd(*out, fixed::saturate(sound));
                 }
             }
-            None => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
+            None if shift.is_loud => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
+            None => add_quiet(mix, u32::from(shift.bits), out),
         }
     }
+}
+
+/// Adds a mix, whose first frame lies last, to as many bus samples, with a shift that clips none.
+fn add_quiet(mix: &[i32], shift: u32, out: &mut [i32]) {
+    // Two frames at a time: built for size, the loop takes longer than a sample.
+    let ((last, pairs), (out_pairs, out_last)) = (mix.as_rchunks::<2>(), out.as_chunks_mut::<2>());
+    let add = |out: &mut i32, sum: i32| *out = fixed::qadd(*out, sum.wrapping_shl(shift));
+    for ([first, second], &[later, now]) in out_pairs.iter_mut().zip(pairs.iter().rev()) {
+        add(first, now);
+        add(second, later);
+    }
+    out_last.iter_mut().zip(last).for_each(|(out, &sum)| add(out, sum));
 }
 
 /// Changes the sign of every other frame, so that the absolute number of the others is odd if the
@@ -335,10 +349,6 @@ fn alternate(samples: &mut Backward, odd_start: bool) {
         let x = if odd_start { even } else { odd };
         *x = x.saturating_neg();
     }
-}
-
-fn sum_of_magnitudes(force: &[i32]) -> u64 {
-    force.iter().fold(0, |sum, x| sum + u64::from(x.unsigned_abs()))
 }
 
 fn magnitude(x: Option<&i32>) -> u64 {

@@ -110,6 +110,16 @@ pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAM
     unsafe { malleus_scrape_add_up(adding, frames.as_mut_ptr(), slopes.as_mut_ptr()) }
 }
 
+/// Adds up forces as [`super::portable::add_up_alone`] does.
+///
+/// Cost as that of [`add_up`].
+pub(in super::super) fn add_up_alone(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES]) {
+    let frames = frames.as_mut_ptr();
+    // SAFETY: there are 32 frames. The loop writes a slope behind the rise that it has read, and
+    // then the force over it.
+    unsafe { malleus_scrape_add_up(adding, frames, frames) }
+}
+
 /// Filters a tick as [`super::portable::filter`] does.
 ///
 /// Cost, counted from the code: 47 cycles a frame with 24 taps. Four outputs take 26 cycles for

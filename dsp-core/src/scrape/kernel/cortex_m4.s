@@ -321,6 +321,12 @@ malleus_scrape_add_up:
     cmp     r11, r0
     bne     5f
 4:  str     r12, [r1], #4
+    add_frame
+    lsl     r12, r0, lr
+    asr     r11, r12, lr
+    cmp     r11, r0
+    bne     7f
+6:  str     r12, [r1], #4
     vmov    r12, s1
     cmp     r1, r12
     bne     3b
@@ -329,4 +335,8 @@ malleus_scrape_add_up:
     mvn     r12, r12
     eor     r12, r12, #0x80000000
     b       4b
+7:  asr     r12, r0, #31
+    mvn     r12, r12
+    eor     r12, r12, #0x80000000
+    b       6b
     .size   malleus_scrape_add_up, . - malleus_scrape_add_up

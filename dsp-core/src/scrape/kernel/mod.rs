@@ -11,9 +11,9 @@ pub(super) mod slope;
 use super::ramp::Ramp;
 
 #[cfg(cortex_m4f)]
-pub(super) use cortex_m4::{add_up, filter, limit, limit_halves, read};
+pub(super) use cortex_m4::{add_up, add_up_alone, filter, limit, limit_halves, read};
 #[cfg(not(cortex_m4f))]
-pub(super) use portable::{add_up, filter, limit, limit_halves, read};
+pub(super) use portable::{add_up, add_up_alone, filter, limit, limit_halves, read};
 
 /// Taps come in whole steps of so many; the last ones may be 0.
 pub(super) const TAPS: usize = 4;

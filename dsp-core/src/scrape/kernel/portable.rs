@@ -99,20 +99,29 @@ fn accumulated(sums: [i32; OUTPUTS], tap: i32, window: [i32; OUTPUTS]) -> [i32; 
 /// Turns rises into force, and gives the slope in each frame: see [`Adding`]. The slope stays
 /// within ±2^30 in its high word.
 pub(in super::super) fn add_up(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES], slopes: &mut [i32; TICK_FRAMES]) {
+    frames.iter_mut().zip(slopes).for_each(|(frame, slope)| *slope = add_frame(adding, frame));
+}
+
+/// Turns rises into force as [`add_up`] does, and keeps the slopes to itself.
+pub(in super::super) fn add_up_alone(adding: &mut Adding, frames: &mut [i32; TICK_FRAMES]) {
+    frames.iter_mut().for_each(|frame| _ = add_frame(adding, frame));
+}
+
+/// Turns a frame's rise into force; gives the slope.
+#[inline(always)]
+fn add_frame(adding: &mut Adding, frame: &mut i32) -> i32 {
     let high = |slope: i64| (slope >> 32) as i32;
-    for (frame, path) in frames.iter_mut().zip(slopes) {
-        let rise = *frame;
-        // A slope below 2^62 and a rise below 2^30 times 2^29.
-        let slope = adding.slope
-            + i64::from(high(adding.slope)) * i64::from(adding.less)
-            + i64::from(rise) * i64::from(adding.gain);
-        let clamped = high(slope).clamp(-(1 << 30), (1 << 30) - 1);
-        adding.slope = (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX));
-        *path = clamped;
-        let across = fixed::smmul(clamped, adding.horizontal.next()).abs();
-        let sum = fixed::smmla(across, rise, adding.vertical.next());
-        *frame = fixed::saturating_shift_left(sum >> adding.right, adding.left);
-    }
+    let rise = *frame;
+    // A slope below 2^62 and a rise below 2^30 times 2^29.
+    let slope = adding.slope
+        + i64::from(high(adding.slope)) * i64::from(adding.less)
+        + i64::from(rise) * i64::from(adding.gain);
+    let clamped = high(slope).clamp(-(1 << 30), (1 << 30) - 1);
+    adding.slope = (i64::from(clamped) << 32) | (slope & i64::from(u32::MAX));
+    let across = fixed::smmul(clamped, adding.horizontal.next()).abs();
+    let sum = fixed::smmla(across, rise, adding.vertical.next());
+    *frame = fixed::saturating_shift_left(sum >> adding.right, adding.left);
+    clamped
 }
 
 #[cfg(test)]

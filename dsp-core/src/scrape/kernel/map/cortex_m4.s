@@ -198,6 +198,25 @@ malleus_scrape_read_map:
     str     r5, [r12, #\index]
     .endm
 
+@ Registers that a new cell needs.
+    .macro cell_keep
+    vmov    s1, r0
+    vmov    s2, r1
+    vmov    s3, r2
+    vmov    s4, r3
+    vmov    s5, lr
+    .endm
+
+@ Address of a cell's coefficients into r0, and the bytes of a row into r1.
+    .macro cell_place
+    ldr     r4, [r12, #28]
+    ldr     r1, [r12, #44]
+    ldr     r6, [r12, #40]
+    ldr     r7, [r12, #24]
+    mla     r0, r4, r1, r6
+    add     r0, r0, r7, lsl #1
+    .endm
+
 @ The value of a column across the rows.
     .macro cell_value column
     ldm     r4!, {r5-r8}
@@ -209,7 +228,7 @@ malleus_scrape_read_map:
 @ Values of a map along a course: see MapCourse for what lies where.
 @ Registers: r0 and r1 ways from the middle of the cell along rows and across, r2 and r3 speeds,
 @ r4-r11 sums and terms, r12 course, lr values; s0 their end. A new cell keeps r0 to r3 and lr in s1
-@ to s5, and its first column in s6.
+@ to s5, and its first column in s6; s7 is 1 if only the first two columns are new.
     .p2align 4
     .global malleus_scrape_read_cells
     .type   malleus_scrape_read_cells, %function
@@ -266,27 +285,40 @@ malleus_scrape_read_cells:
     cmp     lr, r4
     bne     2b
     pop     {r4-r11, pc}
+@ Along the rows three columns stay, of which one is computed anew with its new neighbour.
 4:  cell_next r2, 24, 32
     adds    r1, r1, r3
-    bvc     6f
+    bvs     5f
+    cell_keep
+    cmp     r2, #0
+    add     r4, r12, #88
+    ldm     r4, {r5-r11, lr}
+    blt     7f
+    subs    r4, #16
+    stm     r4, {r5-r11, lr}
+    cell_place
+    adds    r0, #4
+    b       9f
+7:  adds    r4, #16
+    stm     r4, {r5-r11, lr}
+    movs    r4, #1
+    vmov    s7, r4
+    cell_place
+    b       8f
 5:  cell_next r3, 28, 36
-6:  vmov    s1, r0
-    vmov    s2, r1
-    vmov    s3, r2
-    vmov    s4, r3
-    vmov    s5, lr
-    ldr     r4, [r12, #28]
-    ldr     r1, [r12, #44]
-    ldr     r6, [r12, #40]
-    ldr     r7, [r12, #24]
-    mla     r0, r4, r1, r6
-    add     r0, r0, r7, lsl #1
+6:  cell_keep
+    movs    r4, #0
+    vmov    s7, r4
+    cell_place
     vmov    s6, r0
-    cell_columns 72
+8:  cell_columns 72
+    vmov    r4, s7
+    cmp     r4, #0
+    bne     10f
     vmov    r0, s6
-    adds    r0, r0, #4
-    cell_columns 104
-    vmov    r0, s1
+    adds    r0, #4
+9:  cell_columns 104
+10: vmov    r0, s1
     vmov    r1, s2
     vmov    r2, s3
     vmov    r3, s4

@@ -1,5 +1,6 @@
 @ Readings of the slope for a Cortex-M4F:
-@ malleus_scrape_read_rises(strides, mix, rises, end, octave).
+@ malleus_scrape_mix_row(strip, strip_end, row, weights), and
+@ malleus_scrape_read_strip(strides, mix, rises, rises_end, strip).
 @
 @ The bits are those of portable.rs.
 
@@ -8,122 +9,106 @@
     .fpu fpv4-sp-d16
     .section .text.malleus_scrape_slope,"ax",%progbits
 
-@ Slopes at both limits into r5 and r6: the spline's weights, Q24, of four points in r7 to r10.
-    .macro slope_values
-    eor     r11, r1, #0x80000000
-    smmulr  r12, r11, r11
-    smmulr  lr, r12, r11
-    asr     r12, r12, #6
-    add     r12, r12, r12, lsl #1
-    asr     r11, r11, #7
+@ Coefficients of two limits, which lie side by side every 6 bytes, by their weights.
+@ Registers: r0 strip, r1 its end, r2 row, r3 and r12 weights, r4-r11 coefficients and their mixes.
+    .p2align 4
+    .global malleus_scrape_mix_row
+    .type   malleus_scrape_mix_row, %function
+malleus_scrape_mix_row:
+    push    {r4-r11, lr}
+    ldrd    r3, r12, [r3]
+1:  ldr     r4, [r2]
+    ldr     r5, [r2, #6]
+    ldr     r6, [r2, #12]
+    ldr     r7, [r2, #18]
+    adds    r2, #24
+    smulwb  r8, r3, r4
+    smulwt  r4, r12, r4
+    add     r8, r8, r4
+    smulwb  r9, r3, r5
+    smulwt  r5, r12, r5
+    add     r9, r9, r5
+    smulwb  r10, r3, r6
+    smulwt  r6, r12, r6
+    add     r10, r10, r6
+    smulwb  r11, r3, r7
+    smulwt  r7, r12, r7
+    add     r11, r11, r7
+    stm     r0!, {r8-r11}
+    cmp     r0, r1
+    bne     1b
+    pop     {r4-r11, pc}
+    .size   malleus_scrape_mix_row, . - malleus_scrape_mix_row
+
+@ The spline's value at the place r1, r2 into r10. The coefficients a to d in r8 to r11.
+    .macro strip_value
+    and     r12, r2, #31
+    add     r12, r3, r12, lsl #2
+    ldm     r12, {r8-r11}
+    add     r12, r9, r10
+    add     lr, r8, r11
+    sub     r9, r10, r9
+    sub     r8, r11, r8
+    add     r10, r9, r9, lsl #1
+    sub     r10, r8, r10
+    lsl     r10, r10, #3
+    sub     r11, lr, r12
     add     r11, r11, r11, lsl #1
-    asr     lr, lr, #5
-    add     r7, r11, lr
-    add     r11, r11, r11, lsl #2
-    add     lr, lr, lr, lsl #1
-    sub     r8, r11, lr
-    add     r9, r12, #0x01000000
-    rsb     r12, r12, #0x17000000
-    add     lr, r2, r2, lsl #1
-    vmov    r11, s9
-    add     lr, r11, lr, lsl #1
-    add     r10, r9, r7
-    sub     r7, r9, r7
-    add     r9, r12, r8
-    sub     r8, r12, r8
-    ldr     r11, [lr]
-    ldr     r12, [lr, #6]
-    smulwb  r5, r7, r11
-    smulwt  r6, r7, r11
-    smlawb  r5, r8, r12, r5
-    smlawt  r6, r8, r12, r6
-    ldr     r11, [lr, #12]
-    ldr     r12, [lr, #18]
-    smlawb  r5, r9, r11, r5
-    smlawt  r6, r9, r11, r6
-    smlawb  r5, r10, r12, r5
-    smlawt  r6, r10, r12, r6
+    lsl     r11, r11, #2
+    add     r9, r9, r9, lsl #2
+    add     r9, r9, r8
+    add     r9, r9, r9, lsl #1
+    lsl     r9, r9, #1
+    add     r8, r12, r12, lsl #1
+    add     r8, lr, r8, lsl #3
+    sub     r8, r8, r12
+    eor     r12, r1, #0x80000000
+    smmlar  r10, r10, r12, r11
+    smmlar  r10, r10, r12, r9
+    smmlar  r10, r10, r12, r8
     .endm
 
-@ Registers: r0 rises, r1 fraction, r2 point, r3 and r4 speed, r5-r12 and lr slopes, weights and
-@ coefficients; s0 and s1 step of the speed, s2 and s3, s4 and s5 weights of both limits and their
-@ steps, s6 and s7 last slopes, s8 number of points, s9 coefficients of the first limit, s10 largest
-@ mix, s11 and s12 its shifts, s13 end of the rises, s14 mix.
+@ Registers: r0 rises, r1 and r2 place, r3 strip, r4 and r5 speed, r6 its step, r7 last value,
+@ r8-r12 and lr coefficients, their sums, and the value; s0 largest rise, s1 shift, s2 end of the
+@ rises.
     .p2align 4
-    .global malleus_scrape_read_rises
-    .type   malleus_scrape_read_rises, %function
-malleus_scrape_read_rises:
+    .global malleus_scrape_read_strip
+    .type   malleus_scrape_read_strip, %function
+malleus_scrape_read_strip:
     push    {r4-r11, lr}
-    ldr     r12, [sp, #36]
-    vldmia  r12, {s8-s9}
-    vldmia  r1, {s2-s5}
-    adds    r1, #16
-    vldmia  r1, {s10-s12}
-    subs    r1, #16
-    vmov    s14, r1
-    vmov    s13, r3
+    vldr    s0, [r1, #8]
+    vldr    s1, [r1, #12]
+    vmov    s2, r3
     mov     r12, r2
-    ldm     r0, {r1-r6}
+    ldr     r3, [sp, #36]
+    ldr     r6, [r0, #16]
+    ldrd    r4, r5, [r0, #8]
+    ldrd    r1, r2, [r0]
     mov     r0, r12
-    vmov    s0, r5
-    vmov    s1, r6
-    slope_values
-    vmov    s6, r5
-    vmov    s7, r6
-1:  vmov    r5, s0
-    vmov    r6, s1
-    adds    r3, r3, r5
-    adc     r4, r4, r6
-    adds    r1, r1, r3
-    adc     r2, r2, r4
-    vmov    r5, s8
-    cmp     r2, r5
-    bhs     4f
-2:  slope_values
-    vmov    r7, s6
-    vmov    r8, s7
-    vmov    s6, r5
-    vmov    s7, r6
-    sub     r5, r5, r7
-    sub     r6, r6, r8
-    vmov    r7, s2
-    vmov    r8, s3
-    add     r7, r7, r8
-    vmov    s2, r7
-    vmov    r9, s4
-    vmov    r10, s5
-    add     r9, r9, r10
-    vmov    s4, r9
-    smmulr  r5, r5, r7
-    smmlar  r5, r6, r9, r5
-    vmov    r6, s10
-    add     r7, r5, r6
-    cmp     r7, r6, lsl #1
-    bhi     5f
-3:  vmov    r6, s11
-    vmov    r7, s12
-    lsl     r5, r5, r6
-    asr     r5, r5, r7
-    vmov    r6, s13
-    str     r5, [r0], #4
-    cmp     r0, r6
+    strip_value
+    mov     r7, r10
+1:  adds    r4, r4, r6
+    adc     r5, r5, r6, asr #31
+    adds    r1, r1, r4
+    adc     r2, r2, r5
+    strip_value
+    sub     r8, r10, r7
+    vmov    r12, s0
+    vmov    lr, s1
+    mov     r7, r10
+    add     r9, r8, r12
+    cmp     r9, r12, lsl #1
+    bhi     3f
+2:  lsl     r8, r8, lr
+    vmov    r12, s2
+    str     r8, [r0], #4
+    cmp     r0, r12
     bne     1b
-    vmov    r1, s14
-    vmov    r5, s2
-    vmov    r6, s4
-    str     r5, [r1]
-    str     r6, [r1, #8]
     pop     {r4-r11, pc}
-@ Over the table's end, or before its begin.
-4:  cmp     r2, #0
-    ite     mi
-    addmi   r2, r2, r5
-    subpl   r2, r2, r5
-    b       2b
-@ More than the largest mix, or less than the least.
-5:  cmp     r5, #0
+@ More than the largest rise, or less than the least.
+3:  cmp     r8, #0
     ite     ge
-    movge   r5, r6
-    rsblt   r5, r6, #0
-    b       3b
-    .size   malleus_scrape_read_rises, . - malleus_scrape_read_rises
+    movge   r8, r12
+    rsblt   r8, r12, #0
+    b       2b
+    .size   malleus_scrape_read_strip, . - malleus_scrape_read_strip
