@@ -95,7 +95,7 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::DrivenStrikerBank, 3170),
     (CostItem::DrivenPad, 2820),
     (CostItem::BusDrivenPad, 3722),
-    (CostItem::DrivenFrame, 17),
+    (CostItem::DrivenFrame, 20),
     (CostItem::ContactFrame, 88),
     (CostItem::DirectFrame, 17),
     (CostItem::GuardedGroup, 430),

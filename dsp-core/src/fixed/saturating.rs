@@ -28,14 +28,8 @@ pub const fn saturate(wide: i64) -> i32 {
 }
 
 /// Sum of the magnitudes of samples.
-#[inline(never)] // one for all
 pub fn sum_of_magnitudes(samples: &[i32]) -> u64 {
-    // Four by four, for the loop takes as long as two of them.
-    let (fours, rest) = samples.as_chunks::<4>();
-    let magnitude = |x: i32| u64::from(x.unsigned_abs());
-    let sum =
-        fours.iter().fold(0, |sum, &[a, b, c, d]| sum + magnitude(a) + magnitude(b) + magnitude(c) + magnitude(d));
-    rest.iter().fold(sum, |sum, &x| sum + magnitude(x))
+    samples.iter().fold(0, |sum, x| sum + u64::from(x.unsigned_abs()))
 }
 
 /// `value · 2^shift`, saturated to 32 bits. Shifts of 32 and more saturate any value but 0.

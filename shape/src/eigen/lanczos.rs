@@ -220,6 +220,10 @@ impl<'a> Basis<'a> {
     /// Solves the projected problem.
     pub(super) fn ritz(&self) -> Result<Ritz, EigenError> {
         let count = self.len();
+        if count == 0 {
+            // No vector has a positive mass.
+            return Err(EigenError::NotPositive);
+        }
         // An image has no part along vectors that came after the block that followed it.
         let part = |row: usize, column: usize| self.projected[column].get(row).copied();
         let operator = Mat::from_fn(count, count, |row, column| match (part(row, column), part(column, row)) {

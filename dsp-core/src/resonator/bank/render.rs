@@ -180,8 +180,7 @@ impl Bank<'_> {
         self.spent = self.spent.saturating_add(sum);
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip: true, add: false };
         let stereo = self.stereo(gains, out);
-        let mut shifted = [0; TICK_FRAMES];
-        self.shift(force, &mut shifted);
+        let mut shifted = self.shifted(force);
         if self.has_mirrored() {
             self.drive_stereo_mirrored(run, (&mut shifted, onset.as_ref()), odd_start, stereo);
         } else if let Some((groups, modes)) = self.plain() {
@@ -234,14 +233,16 @@ impl Bank<'_> {
         }
     }
 
-    /// Force as the gains expect it, in a place of zeros.
+    /// Force as the gains expect it.
     #[inline(always)]
-    fn shift(&self, force: &[i32], shifted: &mut Backward) {
+    fn shifted(&self, force: &[i32]) -> Backward {
         let force_shift = u32::from(self.force_shift);
+        let mut shifted = [0; TICK_FRAMES];
         // Within the allowance |x| << force_shift stays below 2^31.
         for (shifted, &x) in shifted.iter_mut().rev().zip(force) {
             *shifted = x.wrapping_shl(force_shift);
         }
+        shifted
     }
 
     /// Renders the sound of the mirrored modes under a force. True if there are any.
@@ -264,8 +265,7 @@ impl Bank<'_> {
     /// Adds a run under a force for which the groups are guarded.
     fn drive(&mut self, force: &[i32], odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: false };
-        let (mut mix, mut shifted) = ([0; TICK_FRAMES], [0; TICK_FRAMES]);
-        self.shift(force, &mut shifted);
+        let (mut mix, mut shifted) = ([0; TICK_FRAMES], self.shifted(force));
         let add = self.has_mirrored() && self.drive_mirrored(run, &mut shifted, odd_start, &mut mix);
         if let Some((groups, modes)) = self.plain() {
             kernel::driven(groups, modes, kernel::Run { add, ..run }, &shifted, &mut mix);
@@ -277,8 +277,7 @@ impl Bank<'_> {
     #[inline(never)] // it must not weigh on runs with one
     fn drive_both(&mut self, (force, second): (&[i32], &[i32]), odd_start: bool, skip: bool, out: &mut [i32]) {
         let run = kernel::Run { frames: out.len().min(TICK_FRAMES), skip, add: true };
-        let (mut mix, mut forces) = ([0; TICK_FRAMES], [[0; TICK_FRAMES]; 2]);
-        forces.iter_mut().zip([force, second]).for_each(|(shifted, force)| self.shift(force, shifted));
+        let (mut mix, mut forces) = ([0; TICK_FRAMES], [self.shifted(force), self.shifted(second)]);
         let (plain_groups, plain_modes) = (usize::from(self.plain_groups), usize::from(self.plain_modes));
         let (groups, modes, gains) = (&*self.groups, &mut *self.modes, &*self.second.gains);
         let (groups, mirrored) = groups.split_at_checked(plain_groups).unwrap_or((groups, &[]));
@@ -322,22 +321,9 @@ impl Bank<'_> {
                     *out = fixed::qadd(*out, fixed::saturate(sound));
                 }
             }
-            None if shift.is_loud => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
-            None => add_quiet(mix, u32::from(shift.bits), out),
+            None => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
         }
     }
-}
-
-/// Adds a mix, whose first frame lies last, to as many bus samples, with a shift that clips none.
-fn add_quiet(mix: &[i32], shift: u32, out: &mut [i32]) {
-    // Two frames at a time: built for size, the loop takes longer than a sample.
-    let ((last, pairs), (out_pairs, out_last)) = (mix.as_rchunks::<2>(), out.as_chunks_mut::<2>());
-    let add = |out: &mut i32, sum: i32| *out = fixed::qadd(*out, sum.wrapping_shl(shift));
-    for ([first, second], &[later, now]) in out_pairs.iter_mut().zip(pairs.iter().rev()) {
-        add(first, now);
-        add(second, later);
-    }
-    out_last.iter_mut().zip(last).for_each(|(out, &sum)| add(out, sum));
 }
 
 /// Changes the sign of every other frame, so that the absolute number of the others is odd if the
