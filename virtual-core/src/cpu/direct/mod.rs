@@ -37,7 +37,7 @@ use crate::memory::Memory;
 /// Bit of CONTROL that makes PSP the stack pointer of thread mode.
 const CONTROL_PROCESS_STACK: u32 = 2;
 
-/// Core that executes the common instructions itself, and has an [`Rsemu`] for all others.
+/// Core that executes the common instructions itself, and has the crate `rsemu` for all others.
 #[derive(Debug)]
 pub struct Direct {
     rsemu: Rsemu,
