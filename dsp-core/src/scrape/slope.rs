@@ -22,10 +22,11 @@ const MAP_ONCE_STEPS: f32 = 0.25;
 /// Steps of the grid a frame up to which it is read twice. From there on the slope is read, from
 /// the octave of which a frame goes over 0.9 to 1.8 points.
 const TWICE_STEPS: f32 = 0.9;
-/// Points of the next octave in a standard deviation of the smoothing from which on that octave is
-/// read in its place, and the first one in place of the curvature. It lacks waves below two points,
-/// which a smoothing so wide leaves out: with 1.3 points a third of an octave was 8 dB off, with
-/// 1.9 it was 1.3 dB.
+/// Width of the smoothing, as a standard deviation in points of the next octave, from which on
+/// that octave is read. It lacks waves of less than two points, which such a smoothing removes.
+/// By the same rule the first octave is read instead of the curvature.
+///
+/// Read from 1.3 points on, a third of an octave was 8 dB off, from 1.9 points on 1.3 dB.
 const SMOOTHED_POINTS: f32 = 2.0;
 
 /// Way of reading a surface over a tick.

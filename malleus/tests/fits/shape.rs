@@ -247,7 +247,7 @@ fn picture_of_an_l() -> Vec<u8> {
 fn places_on_a_drawing_and_a_picture_have_y_below_zero_from_the_upper_left_corner() {
     let folder = TempDir::new().expect("a folder");
     let path = |name: &str| folder.path().join(name);
-    // The same L in a view box that begins elsewhere.
+    // The view box of this L does not begin at 0, 0.
     let drawing = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="-10 -20 100 100"><path d="M0 0 H20 V40 H60 V60 H0 Z"/></svg>"#;
     std::fs::write(path("l.svg"), drawing).expect("written");
     std::fs::write(path("l.png"), picture_of_an_l()).expect("written");

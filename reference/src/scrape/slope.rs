@@ -12,8 +12,8 @@ use super::{TICK_FRAMES, ramp};
 /// Points a frame up to which the curvature is read once, and twice.
 const ONCE_POINTS: f32 = 0.49;
 const TWICE_POINTS: f32 = 0.9;
-/// Points of the next octave in a standard deviation of the smoothing from which on that octave is
-/// read in its place, and the first one in place of the curvature.
+/// Width of the smoothing, as a standard deviation in points of the next octave, from which on
+/// that octave is read. By the same rule the first octave is read instead of the curvature.
 const SMOOTHED_POINTS: f32 = 2.0;
 /// Points a frame up to which a map is read once; above it is read twice at any speed.
 const MAP_ONCE_POINTS: f32 = 0.25;

@@ -177,8 +177,9 @@ impl Factors {
     }
 }
 
-/// Integrals over a triangle of the products of two functions, by the derivative (along x, along y,
-/// none) of each.
+/// Integrals of products over a triangle, for each two functions of its nodes. The first index
+/// chooses the first factor: the function's derivative along x, along y, or the function. The
+/// second index chooses the other factor.
 struct Integrals {
     count: usize,
     values: Vec<[[f64; 3]; 3]>,

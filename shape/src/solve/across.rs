@@ -16,11 +16,12 @@ const SHARE: f64 = 0.2;
 const ORDER: usize = 3;
 /// Least share of a change that the next term leaves, and the largest one that is believed.
 const RATES: [f64; 2] = [0.2, 0.75];
-/// Error of plane stress in waves that bend a flat bar, as a share of (ν k b)² with the wave number
-/// k and the width b: at most 0.024 of the bars in the tests of `shape` named `sheets`.
+/// Error of plane stress where waves bend a flat bar: this number times (ν k b)², with the wave
+/// number k and the width b. Bars in the tests of `shape` named `sheets` reach 0.024.
 const NARROW_ERROR: f64 = 0.03;
-/// Error of plane stress from clamped edges, which hold the strain across the sheet, too: a share
-/// of ν² times width times length of the edge by area; 0.125 of a sheet 0.03 times as wide as long.
+/// Error of plane stress from clamped edges, as they hold the strain across the sheet, too: this
+/// number times ν² times the width, times the length of the edges by the area. It is 0.125 for a
+/// sheet 0.03 times as wide as long.
 const CLAMPED_ERROR: f64 = 0.13;
 /// Share of the error that is asked for below which a sheet less wide than a wave by 2π is in plane
 /// stress without a trial.

@@ -110,8 +110,8 @@ pub(in super::super::super) fn read_cells(
     }
 }
 
-/// Coefficients of the spline across the rows, for each of a cell's four columns: those of 1, t, t²
-/// and t³, where t goes from -1/2 to 1/2 across the cell.
+/// Cubic polynomials in t of a cell's four columns, where t goes from -1/2 to 1/2 across the rows.
+/// Each column has its coefficients of 1, t, t² and t³.
 fn columns_of(map: &Map<'_>, [x, y]: [usize; 2], weights: [i32; CURVATURES]) -> [[i32; 4]; 4] {
     let [columns, rows] = map.points();
     let (row, size) = (columns + GUARD, (columns + GUARD) * (rows + GUARD));
