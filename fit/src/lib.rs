@@ -27,6 +27,7 @@ pub mod table;
 
 mod analytic;
 mod band;
+mod convolution;
 mod decay;
 mod error;
 mod joint;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fourier::Complex;
 
-use super::convolution::even;
+use crate::convolution::even;
 use crate::random::SplitMix64;
 
 /// Bins of each band in a spectrum of `bins` bins.

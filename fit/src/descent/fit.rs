@@ -182,6 +182,7 @@ fn numbers(
         acceleration: acceleration * strongest * unit,
         acceleration_sd: f64::NAN,
         left_dbfs: 10.0 * power(&residual).max(1e-30).log10(),
+        room: None,
         residual,
     })
 }

@@ -15,7 +15,6 @@
 
 mod adam;
 mod bands;
-mod convolution;
 mod error;
 mod fit;
 mod force;

@@ -3,12 +3,12 @@
 use fourier::Complex;
 
 use super::bands;
-use super::convolution::{Convolution, even, fast_length};
 use super::force::{ForceInputs, ForceShape, Pulse};
 use super::modes::{ModalResponse, ModeInputs, ScaledMode};
 use super::noise;
 use super::parameters::{Kind, Places};
 use super::room::Room;
+use crate::convolution::{Convolution, even, fast_length};
 use crate::random::SplitMix64;
 
 /// Number of bands of background noise, as in the released notebook.
@@ -80,7 +80,7 @@ impl Model {
             force,
             modes: ModalResponse::new(modes, length, rate_hz),
             room: Room::new(ROOM_BANDS, room_length, rate_hz, random),
-            convolution: Convolution::new(length),
+            convolution: Convolution::new(2 * length),
         }
     }
 

@@ -3,8 +3,8 @@
 use fourier::Complex;
 
 use super::bands::{edges, samples};
-use super::convolution::even;
 use super::scale::ExpSigmoid;
+use crate::convolution::even;
 
 /// Scaling of the bands' gains. The paper prints none for them; this is the released notebook's.
 const GAIN: ExpSigmoid = ExpSigmoid { upper: 2.0, lower: 1e-7, bias: -3.5 };

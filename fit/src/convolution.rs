@@ -4,22 +4,22 @@ use std::sync::Arc;
 
 use fourier::{Complex, ComplexToReal, RealToComplex};
 
-/// Transforms long enough for the convolution of two sounds of one length.
+/// Transforms long enough for the convolution of two sounds.
 #[derive(Clone)]
-pub(super) struct Convolution {
+pub(crate) struct Convolution {
     size: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
 /// Smallest even number that is not below `length`.
-pub(super) fn even(length: usize) -> usize {
+pub(crate) fn even(length: usize) -> usize {
     length.next_multiple_of(2)
 }
 
 /// Smallest even number from `length` on whose prime factors are 2, 3 and 5, for which transforms
 /// are fast.
-pub(super) fn fast_length(length: usize) -> usize {
+pub(crate) fn fast_length(length: usize) -> usize {
     let is_smooth = |length: &usize| {
         let mut rest = *length;
         for factor in [2, 3, 5] {
@@ -33,14 +33,19 @@ pub(super) fn fast_length(length: usize) -> usize {
 }
 
 impl Convolution {
-    /// Transforms for sounds of `length` samples.
-    pub(super) fn new(length: usize) -> Self {
-        let size = fast_length(2 * length);
+    /// Transforms for sounds that are at most `length` samples long together.
+    pub(crate) fn new(length: usize) -> Self {
+        let size = fast_length(length);
         Self { size, forward: fourier::forward(size), inverse: fourier::inverse(size) }
     }
 
+    /// Length of the transforms, at least that of both sounds.
+    pub(crate) fn size(&self) -> usize {
+        self.size
+    }
+
     /// Spectrum of a sound, scaled so that products of two spectra transform back without a scale.
-    pub(super) fn spectrum(&self, sound: &[f64]) -> Vec<Complex<f64>> {
+    pub(crate) fn spectrum(&self, sound: &[f64]) -> Vec<Complex<f64>> {
         let scale = (self.size as f64).sqrt().recip();
         let (mut input, mut output) = (self.forward.make_input_vec(), self.forward.make_output_vec());
         input.iter_mut().zip(sound).for_each(|(slot, x)| *slot = scale * x);
@@ -56,13 +61,13 @@ impl Convolution {
     }
 
     /// First `length` samples of the convolution of two sounds, from their spectra.
-    pub(super) fn convolved(&self, a: &[Complex<f64>], b: &[Complex<f64>], length: usize) -> Vec<f64> {
+    pub(crate) fn convolved(&self, a: &[Complex<f64>], b: &[Complex<f64>], length: usize) -> Vec<f64> {
         self.sound(a.iter().zip(b).map(|(a, b)| a * b).collect(), length)
     }
 
     /// Sums `Σ a[n + m] b[n]` for m below `length`, from the spectra of a and b: the adjoint of the
     /// convolution with b.
-    pub(super) fn correlated(&self, a: &[Complex<f64>], b: &[Complex<f64>], length: usize) -> Vec<f64> {
+    pub(crate) fn correlated(&self, a: &[Complex<f64>], b: &[Complex<f64>], length: usize) -> Vec<f64> {
         self.sound(a.iter().zip(b).map(|(a, b)| a * b.conj()).collect(), length)
     }
 }
