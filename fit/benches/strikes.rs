@@ -9,6 +9,7 @@ use cpu_time::ProcessTime;
 use fit::modes::Settings;
 use fit::multi_strike::synthetic::{StruckOften, TrueMode, TrueStrike, at_places, in_room, plain};
 use fit::multi_strike::{Estimate, Layout, ModeEstimate, StrikeEstimate, cramer_rao, estimate};
+use fit::room::RoomBand;
 use fit::score::quantile;
 
 /// Largest distance in seconds of a found strike from the true one.
@@ -60,6 +61,8 @@ struct Tally {
     contact_percent: Errors,
     peak_db: Errors,
     left_db: Vec<f64>,
+    /// T60 in percent and level in dB of rooms over the true ones.
+    room: [Vec<f64>; 2],
     seconds: Vec<f64>,
 }
 
@@ -67,6 +70,10 @@ impl Tally {
     fn add(&mut self, sound: &StruckOften, fit: &Estimate, bounds: &Estimate, seconds: f64) {
         self.seconds.push(seconds);
         self.left_db.push(fit.left_dbfs - 20.0 * sound.noise_rms.log10());
+        if let Some([t60_percent, level_db]) = errors_of_room(sound, fit) {
+            self.room[0].push(t60_percent.abs());
+            self.room[1].push(level_db.abs());
+        }
         self.modes += sound.modes.len();
         self.reported += fit.modes.len();
         for truth in &sound.modes {
@@ -151,6 +158,17 @@ impl Tally {
         self.middle_us.print("middle of contact, µs");
         self.contact_percent.print("contact time, %");
         self.peak_db.print("peak, dB");
+        if !self.room[0].is_empty() {
+            let [t60, level] = [0, 1].map(|which| [0.5, 0.9].map(|share| quantile(&self.room[which], share)));
+            println!(
+                "{} rooms: T60 off by {:.1} %, 90 % below {:.1}; level {:.1} dB, {:.1}",
+                self.room[0].len(),
+                t60[0],
+                t60[1],
+                level[0],
+                level[1]
+            );
+        }
         println!(
             "left over the noise {:.3} dB, at most {:.3}; {:.1} s of CPU time a fit, at most {:.1}",
             quantile(&self.left_db, 0.5),
@@ -159,6 +177,18 @@ impl Tally {
             quantile(&self.seconds, 1.0)
         );
     }
+}
+
+/// T60 in percent and level in dB of a fitted room over those of the true one, if there are both;
+/// the T60 is the geometric mean of the bands'.
+fn errors_of_room(sound: &StruckOften, fit: &Estimate) -> Option<[f64; 2]> {
+    let (truth, room) = (sound.room.as_ref()?, fit.room.as_ref()?);
+    let ratio = |band: &RoomBand| {
+        let [low, high] = band.edges_hz;
+        (band.t60_s / truth.t60_s_at((low * high).sqrt())).ln()
+    };
+    let mean = room.bands.iter().map(ratio).sum::<f64>() / room.bands.len() as f64;
+    Some([100.0 * (mean.exp() - 1.0), room.gain_db - truth.gain_db])
 }
 
 fn main() {
@@ -233,11 +263,15 @@ fn measure(name: &str, seeds: std::ops::Range<u64>, layout: Layout, sound: impl 
         match (fitted, cramer_rao(&sound)) {
             (Ok(fitted), Some(bounds)) => {
                 eprintln!(
-                    "seed {seed}: {} strikes, {} modes of {}, {:+.3} dB over the noise, {seconds:.1} s",
+                    "seed {seed}: {} strikes of {}, {} modes of {}, {:+.3} dB over the noise{}, {seconds:.1} s",
                     fitted.strikes.len(),
+                    sound.strikes.len(),
                     fitted.modes.len(),
                     sound.modes.len(),
-                    fitted.left_dbfs - 20.0 * sound.noise_rms.log10()
+                    fitted.left_dbfs - 20.0 * sound.noise_rms.log10(),
+                    errors_of_room(&sound, &fitted).map_or(String::new(), |[t60_percent, level_db]| format!(
+                        ", room T60 {t60_percent:+.0} %, level {level_db:+.1} dB"
+                    ))
                 );
                 tally.add(&sound, &fitted, &bounds, seconds);
                 fits += 1;

@@ -98,10 +98,21 @@ pub fn estimate(strike: &[f64], rate_hz: f64) -> Option<Room> {
         }
     }
     let bands = runs.into_iter().max_by_key(Vec::len).filter(|run| run.len() >= BANDS)?;
+    of_bands(bands)
+}
+
+/// Octave of the room that a frequency in Hz lies in, as its edges in Hz.
+pub(crate) fn octave_of(frequency_hz: f64) -> [f64; 2] {
+    let octave = (frequency_hz / OCTAVES_HZ[0]).log2().round();
+    [-0.5, 0.5].map(|edge| OCTAVES_HZ[0] * (octave + edge).exp2())
+}
+
+/// Room of octaves; `None` of none.
+pub(crate) fn of_bands(bands: Vec<RoomBand>) -> Option<Room> {
     let count = bands.len() as f64;
     let energy = bands.iter().map(|band| 10f64.powf(band.gain_db / 10.0)).sum::<f64>() / count;
     let t60_s = (bands.iter().map(|band| band.t60_s.ln()).sum::<f64>() / count).exp();
-    Some(Room { gain_db: 10.0 * energy.log10(), t60_s, bands })
+    (!bands.is_empty()).then_some(Room { gain_db: 10.0 * energy.log10(), t60_s, bands })
 }
 
 /// Gain in dB and T60 in seconds of the room's tail in a band, if there is one.

@@ -1,5 +1,10 @@
 //! Reasons for which strikes are not fitted together.
 
+/// Least number of strikes that are fitted together.
+pub(crate) const LEAST_STRIKES: usize = 2;
+/// Number of rises of the sound from which on too few strikes are not for want of strikes.
+const MANY_RISES: usize = 5;
+
 /// Reason for which the strikes of a recording cannot be fitted together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StrikesError {
@@ -53,4 +58,25 @@ pub enum StrikesError {
         "two modes or strikes cannot be told apart: give a recording of one thing, with less noise or longer gaps, or ask for fewer modes (--modes)"
     )]
     Untold,
+}
+
+impl StrikesError {
+    /// Refuses a recording in which too few strikes are heard; so often its sound rises.
+    pub(super) fn refuse_few(found: usize, rises: usize) -> Result<(), Self> {
+        match found {
+            LEAST_STRIKES.. => Ok(()),
+            _ if rises > MANY_RISES => Err(Self::Unclear { found, rises }),
+            _ => Err(Self::TooFew { found }),
+        }
+    }
+
+    /// Refuses a fit that leaves more than a share of a recording's energy.
+    pub(super) fn refuse_unexplained(residual: &[f64], samples: &[f64], most: f64) -> Result<(), Self> {
+        let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+        let left = energy(residual) / energy(samples);
+        if left > most {
+            return Err(Self::Unexplained { left_db: 10.0 * left.log10() });
+        }
+        Ok(())
+    }
 }

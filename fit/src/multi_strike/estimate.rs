@@ -5,12 +5,14 @@ use std::f64::consts::TAU;
 use nalgebra::Complex;
 use serde::Serialize;
 
+use super::clipping::is_clipped;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
-use super::fit::{fit, is_clipped};
+use super::fit::fit;
 use super::layout::Layout;
 use super::spline::Weights;
 use crate::modes::Settings;
+use crate::room::Room;
 
 /// A mode with the standard deviations of its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -96,6 +98,8 @@ pub struct Estimate {
     pub acceleration_sd: f64,
     /// Rms of what the model leaves of the recording, in dB of full scale.
     pub left_dbfs: f64,
+    /// Room, if one is heard; what is left is left without it.
+    pub room: Option<Room>,
     /// Samples that the model leaves of the recording.
     #[serde(skip)]
     pub residual: Vec<f64>,
@@ -120,6 +124,7 @@ pub fn estimate(
 ) -> Result<Estimate, StrikesError> {
     let joint = fit(samples, rate_hz, settings, layout, &told)?;
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
+    estimate.room = joint.room;
     let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     for strike in &mut estimate.strikes {
         strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
@@ -197,6 +202,7 @@ pub(crate) fn of_fit(fitted: Fitted, deviations: &Deviations, rate_hz: f64) -> E
         acceleration: model.acceleration,
         acceleration_sd: deviations.acceleration,
         left_dbfs: 10.0 * power.max(1e-30).log10(),
+        room: None,
         residual: fitted.residual,
     }
 }

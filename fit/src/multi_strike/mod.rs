@@ -9,7 +9,8 @@
 //!                                                            └──── completion ◄───┘
 //! ```
 //!
-//! With positions or several strikers `places` stands where `start` does. [`estimate()`] needs no
+//! With positions or several strikers `places` stands where `start` does. In a room (`in_room`) the
+//! same steps go on in turn with the room's response (`reflections`). [`estimate()`] needs no
 //! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
 //! one fits many strikes.
 
@@ -18,9 +19,11 @@ mod amplitudes;
 mod arrow;
 mod begin;
 mod changes;
+mod clipping;
 mod completion;
 mod contact;
 mod descend;
+mod dry;
 mod equations;
 mod error;
 mod estimate;
@@ -29,11 +32,14 @@ mod free;
 #[cfg(test)]
 mod hard_cases;
 mod heard;
+mod in_room;
 mod layout;
 mod model;
+mod passes;
 mod places;
 #[cfg(test)]
 mod random_strikes;
+mod reflections;
 mod ringing;
 mod rises;
 mod seriation;
@@ -47,9 +53,9 @@ mod timing;
 mod truth;
 mod whitening;
 
+pub(crate) use clipping::is_clipped;
 pub use error::StrikesError;
 pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
-pub(crate) use fit::is_clipped;
 pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;

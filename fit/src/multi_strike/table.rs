@@ -19,6 +19,7 @@ const PEAK_EXPONENT: f64 = 1.2;
 /// the gains make up for it at the recording's rate. The object has the gains of all positions.
 /// Each striker has its own modes, and the law `τ = τ1 v^b`: the line through the logarithms of its
 /// contact times over those of its peaks, `m = m1 v^1.2`, m1 the peak of its strongest strike.
+/// A room that was heard is the table's.
 pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
     let mode_of = |mode: &ModeEstimate, gains: &[[f64; 2]]| {
         let turn = PI * mode.frequency_hz / estimate.rate_hz;
@@ -79,7 +80,11 @@ pub fn table(estimate: &Estimate, provenance: &Provenance) -> Kit {
             ..first.clone()
         });
     }
-    playable(&table)
+    let table = playable(&table);
+    match &estimate.room {
+        Some(room) => table::with_room(table, room, 0.0),
+        None => table,
+    }
 }
 
 /// Largest peak of a striker's strikes, or of all.

@@ -10,6 +10,8 @@ use crate::modes::Pole;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Whitening(Vec<f64>);
 
+/// Order of the filter that makes what a model leaves white.
+pub(crate) const ORDER: usize = 12;
 /// Least ratio of the innovation to what it is computed from, so that the filter stays tame.
 const LEAST_RATIO: f64 = 1e-6;
 

@@ -177,6 +177,12 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     if estimate.contact_times_are_heard {
         notes.push(CONTACT_TIMES_ARE_HEARD.to_owned());
     }
+    if let Some(room) = &estimate.room {
+        notes.push(format!(
+            "heard in a room of T60 {:.2} s, {:.1} dB below the direct sound: the table has it, and its modes are without it",
+            room.t60_s, -room.gain_db
+        ));
+    }
     let unexplained = times(|strike| strike.left_db > UNEXPLAINED_DB && !strike.is_clipped);
     if !unexplained.is_empty() {
         notes.push(format!("strikes of which far more is left than of the others: {} s", unexplained.join(", ")));

@@ -79,7 +79,7 @@ impl StrikesPage<'_> {
             t60_s: self.t60_s(),
             contact_time_s: strongest.map_or(0.0, |strike| strike.contact_time_s),
             material: self.material.map(|(name, share)| (name.to_owned(), share)),
-            room_t60_s: None,
+            room_t60_s: self.estimate.room.as_ref().map(|room| room.t60_s),
             seconds: self.seconds,
         }
     }

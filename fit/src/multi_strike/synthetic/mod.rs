@@ -9,7 +9,7 @@ mod room;
 use std::f64::consts::{PI, TAU};
 
 pub use places::at_places;
-pub use room::in_room;
+pub use room::{TrueRoom, in_room};
 
 use crate::random::SplitMix64;
 
@@ -26,6 +26,8 @@ pub struct StruckOften {
     pub strikes: Vec<TrueStrike>,
     /// Rms of the noise in the sound.
     pub noise_rms: f64,
+    /// Room, if there is one.
+    pub room: Option<TrueRoom>,
 }
 
 /// A mode of a synthetic object.
@@ -176,7 +178,7 @@ pub(super) fn render(
     for mode in &mut modes {
         mode.gain = mode.gain.map(|gain| gain * PEAK / peak);
     }
-    StruckOften { samples, rate_hz: RATE_HZ, modes, strikes, noise_rms }
+    StruckOften { samples, rate_hz: RATE_HZ, modes, strikes, noise_rms, room: None }
 }
 
 /// Adds the motion of a mode under the half-sine force of a strike.

@@ -5,6 +5,28 @@ use std::f64::consts::TAU;
 use super::{RATE_HZ, StruckOften, plain};
 use crate::random::SplitMix64;
 
+/// Room of a synthetic recording.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueRoom {
+    /// T60 in seconds below 2 kHz.
+    pub t60_s: f64,
+    /// Energy of the room's response over that of the direct sound, in dB.
+    pub gain_db: f64,
+}
+
+impl TrueRoom {
+    /// T60 in seconds in the octave about a frequency: shorter above 2 kHz.
+    pub fn t60_s_at(&self, frequency_hz: f64) -> f64 {
+        let octaves = (frequency_hz / SPLIT_HZ).log2().clamp(-0.5, 0.5);
+        self.t60_s * SHORTER.powf(octaves + 0.5)
+    }
+}
+
+/// Frequency in Hz that parts the two bands of a room.
+const SPLIT_HZ: f64 = 2_000.0;
+/// Ratio of the upper band's T60 to that of the lower one.
+const SHORTER: f64 = 0.7;
+
 /// Many strikes at one place of an object in a room: the set *room*.
 ///
 /// Object and strikes are those of [`plain`]. The room answers with noise that decays with a T60 of
@@ -14,8 +36,10 @@ pub fn in_room(seed: u64, seconds: f64, count: usize) -> StruckOften {
     let mut sound = plain(seed, seconds, count, -200.0);
     let mut random = SplitMix64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x0005_0077);
     let t60_s = 0.35 + 0.45 * random.uniform();
-    let level = 10f64.powf(-(9.0 + 5.0 * random.uniform()) / 20.0);
-    let reflected = convolved(&sound.samples, &room_response(&mut random, t60_s, level));
+    let gain_db = -(9.0 + 5.0 * random.uniform());
+    let response = room_response(&mut random, t60_s, 10f64.powf(gain_db / 20.0));
+    let reflected = convolved(&sound.samples, &response);
+    sound.room = Some(TrueRoom { t60_s, gain_db });
     sound.noise_rms = 10f64.powf(PINK_DBFS / 20.0);
     let pink = pink_noise(&mut random, sound.samples.len());
     let step = 2f64.powi(-23);
@@ -31,7 +55,7 @@ const PINK_DBFS: f64 = -56.0;
 /// Noise in two bands, split at 2 kHz, that decays; its energy is `level²`.
 fn room_response(random: &mut SplitMix64, t60_s: f64, level: f64) -> Vec<f64> {
     let length = (1.2 * t60_s * RATE_HZ) as usize;
-    let smoothing = (-TAU * 2_000.0 / RATE_HZ).exp();
+    let smoothing = (-TAU * SPLIT_HZ / RATE_HZ).exp();
     let mut low = 0.0;
     let mut response: Vec<f64> = (0..length)
         .map(|n| {
@@ -39,7 +63,7 @@ fn room_response(random: &mut SplitMix64, t60_s: f64, level: f64) -> Vec<f64> {
             low = smoothing * low + (1.0 - smoothing) * white;
             let t = n as f64 / RATE_HZ;
             let fall = |t60_s: f64| (-1000f64.ln() * t / t60_s).exp();
-            low * fall(t60_s) + (white - low) * fall(0.7 * t60_s)
+            low * fall(t60_s) + (white - low) * fall(SHORTER * t60_s)
         })
         .collect();
     let energy: f64 = response.iter().map(|x| x * x).sum();

@@ -1,0 +1,200 @@
+//! Strikes in a room: the room's response, and the thing in what is left without it, in turn.
+//!
+//! Strikes are first those that rise in the ear's bands, since a room only fades. Modes and
+//! contacts are fitted to the sound as if it were dry. The response follows from what they leave
+//! ([`super::reflections`]); its sound is taken off the recording, and they are fitted anew.
+
+use super::begin::{at_best_time, begun};
+use super::contact::Contact;
+use super::descend::{Ending, Fitted, descend};
+use super::equations::residual as left_of;
+use super::free::{Guard, free_modes};
+use super::layout::Layout;
+use super::model::{Model, Strike};
+use super::passes::completed_fit;
+use super::reflections::{Fading, measured, reflected, response};
+use super::whitening::{ORDER, Whitening};
+use crate::bark::Spectrum;
+use crate::modes::Settings;
+use crate::room::Room;
+
+/// Maximum number of modes before the room is known: its tail is taken for more.
+const FIRST_MODES: usize = 24;
+/// Largest share of the energy that the first fit leaves which a room leaves in turn: -2 dB.
+const HEARD: f64 = 0.63;
+/// Time in seconds behind a strike in which it stands out of what is left.
+const HEARD_S: f64 = 0.03;
+/// Least energy of a strike over what is left of it: 3 dB. In the sets *room* strikes have 15 dB or
+/// more, and echoes -5 dB or less.
+const LEAST_OVER_LEFT: f64 = 2.0;
+
+/// Thing in a room, and the recording without the room's sound.
+pub(super) struct InRoom {
+    pub(super) fitted: Fitted,
+    pub(super) whitening: Whitening,
+    pub(super) dry: Vec<f64>,
+    pub(super) room: Option<Room>,
+}
+
+/// Fit of a thing struck at one place in a room.
+///
+/// It begins with moments near which strikes begin and those of them that are usable. `None` if no
+/// room is heard.
+pub(super) fn in_room(
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    (onsets, usable): (&[usize], &[usize]),
+    told: &dyn Fn(f64),
+) -> Option<InRoom> {
+    let layout = Layout::default();
+    let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
+    let free = free_modes(samples, onsets, Guard::OF_RISE, rate_hz, few, &[])?;
+    told(0.1);
+    let first = begun(samples, &free, (onsets, usable), rate_hz, layout, &|share| told(0.1 + 0.2 * share)).ok()?;
+    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+    let left = energy(&first.residual);
+    let mut turn = dried(first, samples, samples, rate_hz);
+    turn.descend();
+    let wet: Vec<f64> = samples.iter().zip(&turn.dry).map(|(x, dry)| x - dry).collect();
+    if energy(&turn.fitted.residual) > HEARD * left || !is_near_modes(&wet, &turn.fitted.model, rate_hz) {
+        return None;
+    }
+    told(0.35);
+    turn = turn.next(samples, rate_hz);
+    turn.descend();
+    turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening);
+    told(0.4);
+    turn = turn.next(samples, rate_hz);
+    let told = |share: f64| told(0.4 + 0.5 * share);
+    (turn.fitted, turn.whitening) = completed_fit(turn.fitted, &turn.dry, rate_hz, settings, layout, &told).ok()?;
+    turn.drop_echoes(rate_hz);
+    turn = turn.next(samples, rate_hz);
+    turn.descend();
+    turn.room = turn.measured(samples, rate_hz);
+    Some(turn)
+}
+
+/// True if a sound lies at the frequencies of the modes, as a room's does; a response can take up
+/// modes that the model lacks as well.
+fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
+    let Some(spectrum) = Spectrum::of(sound, rate_hz) else { return false };
+    let bin_hz = spectrum.bin_hz();
+    let mut is_near = vec![false; (0.5 * rate_hz / bin_hz) as usize + 2];
+    for pole in &model.poles {
+        let [low, high] =
+            [-NEAR_HZ, NEAR_HZ].map(|reach| ((pole.frequency_hz(rate_hz) + reach) / bin_hz).max(0.0) as usize);
+        is_near.iter_mut().take(high + 1).skip(low).for_each(|bin| *bin = true);
+    }
+    let (mut near, mut all) = (0.0, 0.0);
+    for (power, is_near) in spectrum.power().zip(is_near) {
+        all += power;
+        near += if is_near { power } else { 0.0 };
+    }
+    near > NEAR * all
+}
+
+/// Distance in Hz from a mode within which a room's sound lies.
+const NEAR_HZ: f64 = 20.0;
+/// Least share of a room's sound that lies there.
+///
+/// In the sets *room* 0.66 to 0.91 do, and 0.09 of a sound that a model of too few modes leaves.
+const NEAR: f64 = 0.4;
+
+impl InRoom {
+    /// Fits the thing anew to the sound without the room.
+    fn descend(&mut self) {
+        let model = self.fitted.model.clone();
+        self.fitted =
+            descend(Fitted::new(model, &self.dry, &self.whitening), &self.dry, &self.whitening, Ending::COARSE);
+    }
+
+    /// Drops the strikes that are quieter than what is left: they are the room's.
+    fn drop_echoes(&mut self, rate_hz: f64) {
+        let (model, residual) = (&self.fitted.model, &self.fitted.residual);
+        let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
+        let stands_out = |strike: &Strike| {
+            let from = (strike.contact.first_sample().max(0.0) as usize).min(residual.len());
+            let behind = &residual[from..(from + (HEARD_S * rate_hz) as usize).min(residual.len())];
+            let contact = Contact { middle: strike.contact.middle - from as f64, ..strike.contact };
+            let alone = Model { strikes: vec![Strike { contact, ..*strike }], ..model.clone() };
+            // What a model leaves of silence is its sound, turned round.
+            let own = left_of(&alone, &vec![0.0; behind.len()]);
+            energy(&own) > LEAST_OVER_LEFT * energy(behind)
+        };
+        let strikes = model.strikes.iter().copied().filter(stands_out).collect();
+        let model = Model { strikes, ..model.clone() };
+        self.fitted = Fitted::new(model, &self.dry, &self.whitening);
+    }
+
+    /// The same thing in the room that it now leaves of the recording.
+    fn next(self, samples: &[f64], rate_hz: f64) -> Self {
+        dried(self.fitted, &self.dry, samples, rate_hz)
+    }
+
+    /// Fading of the room that the thing leaves of the recording.
+    fn measured(&self, samples: &[f64], rate_hz: f64) -> Option<Room> {
+        let model = &self.fitted.model;
+        let [dry, left] = parts(&self.fitted, &self.dry, samples);
+        let response = response([&dry, &left], &self.whitening, Fading::FLAT, rate_hz);
+        let energy = |mode: usize| model.gains[mode][0].norm_sqr() / model.poles[mode].decay;
+        let mut modes: Vec<_> = (0..model.poles.len()).map(|mode| (model.poles[mode], energy(mode))).collect();
+        modes.sort_by(|a, b| a.0.angular.total_cmp(&b.0.angular));
+        measured(&response, &modes, rate_hz)
+    }
+}
+
+/// Dry sound of a thing fitted to a sound, and what it leaves of a recording.
+fn parts(fitted: &Fitted, sound: &[f64], samples: &[f64]) -> [Vec<f64>; 2] {
+    let dry: Vec<f64> = sound.iter().zip(&fitted.residual).map(|(x, left)| x - left).collect();
+    let left = samples.iter().zip(&dry).map(|(x, dry)| x - dry).collect();
+    [dry, left]
+}
+
+/// A thing fitted to a sound, in the room that it leaves of a recording.
+fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom {
+    let [dry, left] = parts(&fitted, sound, samples);
+    let whitening = Whitening::of_residual(&fitted.residual, ORDER);
+    let response = response([&dry, &left], &whitening, Fading::UNKNOWN, rate_hz);
+    let wet = reflected(&dry, &response);
+    let without = |sound: &[f64]| -> Vec<f64> { sound.iter().zip(&wet).map(|(x, wet)| x - wet).collect() };
+    let (dry, whitening) = (without(samples), Whitening::of_residual(&without(&left), ORDER));
+    InRoom { fitted: Fitted::new(fitted.model, &dry, &whitening), whitening, dry, room: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::rises::rises;
+    use crate::multi_strike::synthetic::{self, StruckOften, plain};
+
+    fn fitted(sound: &StruckOften, most_modes: usize) -> Option<InRoom> {
+        let onsets = rises(&sound.samples, sound.rate_hz);
+        let settings = Settings { most_modes, ..Settings::default() };
+        in_room(&sound.samples, sound.rate_hz, settings, (&onsets, &onsets), &|_| {})
+    }
+
+    #[test]
+    fn strikes_in_a_room_are_told_and_so_is_the_room() {
+        let sound = synthetic::in_room(401, 8.0, 13);
+        let found = fitted(&sound, 24).expect("a room");
+        let strikes = &found.fitted.model.strikes;
+        assert!((12..=13).contains(&strikes.len()), "{} strikes", strikes.len());
+        let apart = |strike: &Strike| {
+            let apart = |middle_s: f64| (strike.contact.middle / sound.rate_hz - middle_s).abs();
+            sound.strikes.iter().map(|truth| apart(truth.middle_s())).fold(f64::INFINITY, f64::min)
+        };
+        let mut middles: Vec<f64> = strikes.iter().map(apart).collect();
+        middles.sort_by(f64::total_cmp);
+        assert!(middles[6] < 60e-6 && middles[10] < 1e-3, "{middles:?}");
+        let (room, truth) = (found.room.expect("its fading"), sound.room.expect("the true one"));
+        assert!((0.5..2.0).contains(&(room.t60_s / truth.t60_s)), "{room:?} {truth:?}");
+        assert!((room.gain_db - truth.gain_db).abs() < 8.0, "{room:?} {truth:?}");
+    }
+
+    #[test]
+    fn modes_that_a_fit_lacks_are_taken_for_no_room() {
+        let sound = plain(8, 6.0, 10, -60.0);
+        assert!(fitted(&sound, 6).is_none());
+    }
+}

@@ -1,0 +1,84 @@
+//! Passes that complete a first fit: strikes and modes that it lacks are added, those that explain
+//! too little are dropped, and all are fitted anew.
+
+use super::amplitudes::{Told, White, changes_of};
+use super::completion::{completed, worthy};
+use super::descend::{Ending, Fitted, descend};
+use super::equations::energy;
+use super::error::StrikesError;
+use super::layout::Layout;
+use super::strikers::assigned;
+use super::whitening::{ORDER, Whitening};
+use crate::modes::Settings;
+
+/// Maximum number of passes that look for what the model lacks.
+const COMPLETIONS: usize = 5;
+/// Maximum number of times that modes and strikes are dropped in a pass.
+const PRUNINGS: usize = 6;
+/// Ratio by which dropped parts may let what is left grow; they are kept where it grows more.
+///
+/// Worth is judged as if the energy about a fit were a parabola.
+const MOST_GROWN: f64 = 2.0;
+/// Number of passes in a row that change no number of modes and strikes, and end them.
+const MOST_STALLED: usize = 2;
+
+/// The fit with what it lacks and without what explains too little, and the filter of its noise.
+pub(super) fn completed_fit(
+    first: Fitted,
+    samples: &[f64],
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: &dyn Fn(f64),
+) -> Result<(Fitted, Whitening), StrikesError> {
+    let (mut fitted, mut whitening) = (first, Whitening::none());
+    let mut stalled = 0;
+    for pass in 0..COMPLETIONS {
+        let before = (fitted.model.poles.len(), fitted.model.strikes.len());
+        whitening = Whitening::of_residual(&fitted.residual, ORDER);
+        fitted = Fitted::new(fitted.model, samples, &whitening);
+        fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
+        let more = completed(&fitted, samples, &whitening, rate_hz, settings);
+        let is_complete = more == fitted.model;
+        fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
+        for _ in 0..PRUNINGS {
+            let fastest = settings.fastest_decay_per_s / rate_hz;
+            let kept = worthy(&fitted, &whitening, fastest).ok_or(StrikesError::Untold)?;
+            if kept == fitted.model {
+                break;
+            }
+            let pruned = descend(Fitted::new(kept, samples, &whitening), samples, &whitening, Ending::COMPLETION);
+            if pruned.energy > MOST_GROWN * fitted.energy {
+                break;
+            }
+            fitted = pruned;
+        }
+        told((pass as f64 + 1.0) / COMPLETIONS as f64);
+        let is_stalled = before == (fitted.model.poles.len(), fitted.model.strikes.len());
+        stalled = if is_stalled { stalled + 1 } else { 0 };
+        if is_complete || stalled == MOST_STALLED {
+            break;
+        }
+    }
+    Ok((fitted, whitening))
+}
+
+/// The fit with strikers told apart by its contacts, and with their own modes.
+fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64, layout: Layout) -> Fitted {
+    if layout.strikers < 2 {
+        return fitted;
+    }
+    let model = &fitted.model;
+    let onsets: Vec<usize> =
+        model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+    let whole = whitening.filtered(samples, 0..samples.len());
+    let white = White { samples: &whole, whitening, variance: fitted.noise_rms().powi(2) };
+    let changes = changes_of(&white, &onsets, &model.poles, rate_hz, Told::Together);
+    let next = assigned(model, &changes, layout.strikers, layout.positions, rate_hz);
+    if next == *model {
+        return fitted;
+    }
+    let other = Fitted::new(next, samples, whitening);
+    // Gains told by few strikes may be wrong by any factor.
+    if other.energy < energy(samples, whitening) { other } else { fitted }
+}
