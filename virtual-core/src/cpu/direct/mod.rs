@@ -170,8 +170,15 @@ impl Direct {
         }
     }
 
+    /// Executes the instruction at the program counter, unless it must be left to `rsemu` with
+    /// [`Direct::leave`]. Returns true if it has been executed. The core must not be asleep.
+    #[inline]
+    pub(crate) fn step_itself(&mut self, instruction: &Instruction, in_block: bool) -> bool {
+        self.is_calm && self.traps == 0 && self.execute(instruction, in_block).is_some()
+    }
+
     /// Lets `rsemu` execute the next instruction or enter an exception.
-    fn leave(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
+    pub(crate) fn leave(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
         let is_system = self.reaches_system(instruction);
         self.put_registers();
         let stepped = self.rsemu.step(instruction, in_block);
@@ -253,7 +260,7 @@ impl Direct {
 impl Core for Direct {
     #[inline]
     fn step(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
-        if self.is_calm && self.traps == 0 && self.execute(instruction, in_block).is_some() {
+        if !self.is_asleep() && self.step_itself(instruction, in_block) {
             return Stepped::Instruction;
         }
         self.leave(instruction, in_block)

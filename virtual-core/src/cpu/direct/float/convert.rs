@@ -21,9 +21,9 @@ impl Direct {
     ///
     /// The result is rounded as FPSCR says, or towards 0 if `rounds_to_zero`.
     #[inline]
-    pub(super) fn to_integer(&mut self, [d, m]: [u8; 2], signed: bool, rounds_to_zero: bool) -> Option<()> {
+    pub(super) fn convert_to_integer(&mut self, [d, m]: [u8; 2], signed: bool, rounds_to_zero: bool) -> Option<()> {
         if rounds_to_zero {
-            return self.to_fixed([d, m], 32, !signed, 0);
+            return self.convert_to_fixed([d, m], 32, !signed, 0);
         }
         let result = fp::to_fixed(self.floats.get(m), 32, !signed, 0, self.float_modes());
         self.floats.finish(d, result);
@@ -33,7 +33,13 @@ impl Direct {
     /// Converts the single of register m to a fixed-point number in register d: `bits` bits of
     /// which `fraction_bits` are behind the point, rounded towards 0.
     #[inline]
-    pub(super) fn to_fixed(&mut self, [d, m]: [u8; 2], bits: u32, unsigned: bool, fraction_bits: u8) -> Option<()> {
+    pub(super) fn convert_to_fixed(
+        &mut self,
+        [d, m]: [u8; 2],
+        bits: u32,
+        unsigned: bool,
+        fraction_bits: u8,
+    ) -> Option<()> {
         let single = self.floats.get(m);
         let scaled = f64::from(f32::from_bits(single)) * f64::from(power_of_two(i32::from(fraction_bits)));
         // Numbers beyond the range are clamped, and NaNs become 0. Neither is in a range.
@@ -55,7 +61,13 @@ impl Direct {
     /// Converts a fixed-point number in register m to a single in register d. The number has `bits`
     /// bits, of which `fraction_bits` are behind the point.
     #[inline]
-    pub(super) fn from_fixed(&mut self, [d, m]: [u8; 2], bits: u32, unsigned: bool, fraction_bits: u8) -> Option<()> {
+    pub(super) fn convert_from_fixed(
+        &mut self,
+        [d, m]: [u8; 2],
+        bits: u32,
+        unsigned: bool,
+        fraction_bits: u8,
+    ) -> Option<()> {
         let fixed = self.floats.get(m);
         if self.floats.has_reset_modes() {
             let integer = match (bits, unsigned) {
@@ -77,7 +89,7 @@ impl Direct {
 
     /// Converts the single of register m to a half in the upper half of register d if `top`, else
     /// in the lower one.
-    pub(super) fn to_half(&mut self, d: u8, m: u8, top: bool) -> Option<()> {
+    pub(super) fn convert_to_half(&mut self, d: u8, m: u8, top: bool) -> Option<()> {
         let (half, flags) = fp::single_to_half(self.floats.get(m), self.float_modes());
         let (half, other) = (u32::from(half), self.floats.get(d));
         let bits = if top { other & 0xffff | half << 16 } else { other & 0xffff_0000 | half };
@@ -88,7 +100,7 @@ impl Direct {
     /// Converts the half in the upper half of register m if `top`, else in the lower one, to a
     /// single in register d.
     #[inline]
-    pub(super) fn from_half(&mut self, d: u8, m: u8, top: bool) -> Option<()> {
+    pub(super) fn convert_from_half(&mut self, d: u8, m: u8, top: bool) -> Option<()> {
         let half = (self.floats.get(m) >> if top { 16 } else { 0 }) as u16;
         let exponent = u32::from(half) >> HALF_FRACTION_BITS & HALF_EXPONENT_MAX;
         if (1..HALF_EXPONENT_MAX).contains(&exponent) {

@@ -156,18 +156,20 @@ impl Direct {
                 let right = if with_zero { 0 } else { self.floats.get(m) };
                 self.compare(self.floats.get(d), right, signal_all)
             }
-            FpInsn::CvtInt { d, m, to_int: true, signed, round_zero } => self.to_integer([d, m], signed, round_zero),
-            FpInsn::CvtInt { d, m, to_int: false, signed, .. } => self.from_fixed([d, m], 32, !signed, 0),
+            FpInsn::CvtInt { d, m, to_int: true, signed, round_zero } => {
+                self.convert_to_integer([d, m], signed, round_zero)
+            }
+            FpInsn::CvtInt { d, m, to_int: false, signed, .. } => self.convert_from_fixed([d, m], 32, !signed, 0),
             FpInsn::CvtFixed { d, to_fixed, unsigned, wide, frac } => {
                 let bits = if wide { 32 } else { 16 };
                 if to_fixed {
-                    self.to_fixed([d, d], bits, unsigned, frac)
+                    self.convert_to_fixed([d, d], bits, unsigned, frac)
                 } else {
-                    self.from_fixed([d, d], bits, unsigned, frac)
+                    self.convert_from_fixed([d, d], bits, unsigned, frac)
                 }
             }
-            FpInsn::CvtHalf { d, m, to_half: true, top } => self.to_half(d, m, top),
-            FpInsn::CvtHalf { d, m, to_half: false, top } => self.from_half(d, m, top),
+            FpInsn::CvtHalf { d, m, to_half: true, top } => self.convert_to_half(d, m, top),
+            FpInsn::CvtHalf { d, m, to_half: false, top } => self.convert_from_half(d, m, top),
             FpInsn::MovCore { to_fp, rt, n } => self.move_core(to_fp, rt, n),
             FpInsn::MovCore2 { to_fp, rt, rt2, m, .. } => self.move_core_pair(to_fp, [rt, rt2], m),
             FpInsn::Sys { to_core, rt, reg } => self.move_status(to_core, rt, reg),

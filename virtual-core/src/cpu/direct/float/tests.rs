@@ -14,10 +14,38 @@ use crate::memory::{FLASH_ADDRESS, RAM_ADDRESS, RAM_BYTES};
 /// Singles at which results and flags change, without their signs: zeros, subnormals, the smallest
 /// and greatest normal numbers, infinities, NaNs, and numbers at the ends of integers.
 const EDGES: [u32; 32] = [
-    0, 1, 2, 0x0040_0000, 0x007f_ffff, 0x0080_0000, 0x0080_0001, 0x00ff_ffff, 0x0100_0000, 0x0100_0001, 0x3380_0000,
-    0x337f_ffff, 0x3eff_ffff, 0x3f00_0000, 0x3f7f_ffff, 0x3f80_0000, 0x3f80_0001, 0x4000_0000, 0x46ff_ffff,
-    0x4700_0000, 0x477f_ff80, 0x4780_0000, 0x4eff_ffff, 0x4f00_0000, 0x4f7f_ffff, 0x4f80_0000, 0x7f7f_ffff,
-    0x7f80_0000, 0x7f80_0001, 0x7fbf_ffff, 0x7fc0_0000, 0x7fc1_2345,
+    0,
+    1,
+    2,
+    0x0040_0000,
+    0x007f_ffff,
+    0x0080_0000,
+    0x0080_0001,
+    0x00ff_ffff,
+    0x0100_0000,
+    0x0100_0001,
+    0x3380_0000,
+    0x337f_ffff,
+    0x3eff_ffff,
+    0x3f00_0000,
+    0x3f7f_ffff,
+    0x3f80_0000,
+    0x3f80_0001,
+    0x4000_0000,
+    0x46ff_ffff,
+    0x4700_0000,
+    0x477f_ff80,
+    0x4780_0000,
+    0x4eff_ffff,
+    0x4f00_0000,
+    0x4f7f_ffff,
+    0x4f80_0000,
+    0x7f7f_ffff,
+    0x7f80_0000,
+    0x7f80_0001,
+    0x7fbf_ffff,
+    0x7fc0_0000,
+    0x7fc1_2345,
 ];
 
 /// Flags of FPSCR that exceptions set.
@@ -30,13 +58,13 @@ fn single(random: &mut Random) -> u32 {
         0 | 1 => sign | EDGES[random.below(32) as usize],
         2 => random.word(),
         // Half a unit or two from a single of few bits, so that many results are ties or exact.
-        3 => sign | (0x3f80_0000 + random.below(0x100_0000) & 0xffff_0000) + random.below(3),
+        3 => sign | (((0x3f80_0000 + random.below(0x100_0000)) & 0xffff_0000) + random.below(3)),
         // Integers, and halves in both half-words.
-        4 => random.word() & 0x8000_ffff | random.word() & 0x7fff << 16 * random.below(2),
+        4 => random.word() & 0x8000_ffff | random.word() & 0x7fff << (16 * random.below(2)),
         // Numbers next to the subnormals.
         5 => sign | random.below(0x0400_0000),
         // Numbers near 1.
-        _ => sign | 0x3d00_0000 + random.below(0x0500_0000),
+        _ => sign | (0x3d00_0000 + random.below(0x0500_0000)),
     }
 }
 
@@ -72,7 +100,8 @@ fn fill(pair: &mut Pair, random: &mut Random) {
         pair.rsemu.set_float_register(register, bits);
     }
     let modes = if random.below(4) == 0 { random.word() & MODES } else { 0 };
-    let status = random.word() & fpscr::FLAGS | modes | if random.below(2) == 0 { EXCEPTIONS & random.word() } else { 0 };
+    let status =
+        random.word() & fpscr::FLAGS | modes | if random.below(2) == 0 { EXCEPTIONS & random.word() } else { 0 };
     pair.direct.floats.status = status;
     pair.rsemu.set_float_status(status);
 }
@@ -81,9 +110,10 @@ fn fill(pair: &mut Pair, random: &mut Random) {
 fn name(instruction: &Instruction) -> String {
     let text = format!("{:?}", instruction.operation);
     let text = text.trim_start_matches("Fp(");
-    let forms = text.split(['{', ',', '}']).skip(1).filter(|field| {
-        ["op:", "true", "false"].iter().any(|form| field.contains(form))
-    });
+    let forms = text
+        .split(['{', ',', '}'])
+        .skip(1)
+        .filter(|field| ["op:", "true", "false"].iter().any(|form| field.contains(form)));
     let kind = text.split(' ').next().unwrap_or("");
     format!("{kind}{}", forms.collect::<String>())
 }
@@ -112,7 +142,8 @@ fn direct_execution_of_random_float_instructions_leaves_what_rsemu_leaves() {
         let floats = pair.direct.floats.clone();
         let in_block = before.xpsr & xpsr::IT_MASK != 0;
         let is_done = pair.direct.execute(&instruction, in_block).is_some();
-        let what = format!("turn {turn}: {first:04x} {second:04x} {:?} from {before:x?} {floats:x?}", instruction.operation);
+        let what =
+            format!("turn {turn}: {first:04x} {second:04x} {:?} from {before:x?} {floats:x?}", instruction.operation);
         if !is_done {
             assert_eq!(pair.direct.registers, before, "{what}");
             assert_eq!(pair.direct.floats, floats, "{what}");
