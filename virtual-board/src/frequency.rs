@@ -86,11 +86,18 @@ impl Pace {
     /// Returns the number of events in the first `cycles` cycles. An event at cycle 0 is not
     /// counted.
     pub(crate) fn events_in(self, cycles: u64) -> u64 {
+        // Division of 128 bits takes several times as long.
+        if let Some(product) = cycles.checked_mul(self.events) {
+            return product / self.cycles;
+        }
         (u128::from(cycles) * u128::from(self.events) / u128::from(self.cycles)) as u64
     }
 
     /// Returns the first cycle at which `event` events have happened.
     pub(crate) fn cycle_of(self, event: u64) -> u64 {
+        if let Some(product) = event.checked_mul(self.cycles) {
+            return product.div_ceil(self.events);
+        }
         (u128::from(event) * u128::from(self.cycles)).div_ceil(u128::from(self.events)) as u64
     }
 }

@@ -7,7 +7,7 @@
 
 use super::timer::TimerOutput;
 use super::{Access, Context, Problem, Unmodelled};
-use crate::frequency::Frequency;
+use crate::frequency::{Frequency, Pace};
 
 /// Bits of ADC_CR1 whose modes are not modelled: AWDIE, JEOCIE, JAUTO, DISCEN, JDISCEN, JAWDEN and
 /// AWDEN.
@@ -70,6 +70,8 @@ pub(crate) struct Adc {
     data: u32,
     on_since: u64,
     started: u64,
+    /// Pace of the ADC's clock, or `None` before its first use.
+    pace: Option<Pace>,
     conversion: Option<Conversion>,
     /// True if the DMA is requested to fetch the data register.
     request: bool,
@@ -120,7 +122,10 @@ impl Adc {
             0x304 if value & 0xdf1f != 0 => {
                 return Err(Unmodelled::new("multi mode and internal channels of the ADC").into());
             }
-            0x304 => self.common = value,
+            0x304 => {
+                self.common = value;
+                self.pace = self.pace.map(|_| self.pace_at(context));
+            }
             _ => return Err(Problem::register()),
         }
         Ok(())
@@ -183,6 +188,7 @@ impl Adc {
         }
         self.status |= STRT;
         self.started = context.now;
+        self.pace = Some(self.pace_at(context));
         self.sequences += 1;
         self.convert(0, 0);
         Ok(())
@@ -190,6 +196,10 @@ impl Adc {
 
     fn clock(&self, context: &Context<'_>) -> Frequency {
         context.clocks.apb2.scaled(1, u64::from((self.common >> 16 & 3) * 2 + 2))
+    }
+
+    fn pace_at(&self, context: &Context<'_>) -> Pace {
+        self.clock(context).for_each(context.clocks.core)
     }
 
     fn length(&self) -> usize {
@@ -211,10 +221,10 @@ impl Adc {
     }
 
     /// Returns the cycle at which the next channel is sampled or its conversion ends.
-    pub(crate) fn next_event(&self, context: &Context<'_>) -> u64 {
-        let Some(conversion) = self.conversion else { return u64::MAX };
+    pub(crate) fn next_event(&self) -> u64 {
+        let (Some(conversion), Some(pace)) = (self.conversion, self.pace) else { return u64::MAX };
         let clocks = if conversion.value.is_none() { conversion.sample } else { conversion.done };
-        self.started + self.clock(context).for_each(context.clocks.core).cycle_of(clocks)
+        self.started + pace.cycle_of(clocks)
     }
 
     /// Samples a channel or ends its conversion. `level` returns the 12-bit code of a channel now.

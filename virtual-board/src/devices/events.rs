@@ -39,21 +39,15 @@ impl Request {
 impl Devices {
     /// Returns the cycle of the next event of any device.
     pub(crate) fn next_event(&self) -> u64 {
-        let context = self.context(0);
         let timers = self.timers.iter().map(|timer| timer.next_event());
         let i2s = self.i2s.iter().map(|i2s| i2s.next_event());
-        let others =
-            [self.adc.next_event(&context), self.i2c.next_event(), self.next_usb_event(), self.flash.next_event()];
+        let others = [self.adc.next_event(), self.i2c.next_event(), self.next_usb_event(), self.flash.next_event()];
         timers.chain(i2s).chain(others).min().unwrap_or(u64::MAX)
     }
 
     /// Returns the cycle at which the watchdog resets the chip.
     pub(crate) fn watchdog_due(&self) -> u64 {
         self.watchdog.next_event()
-    }
-
-    fn context(&self, now: u64) -> Context<'_> {
-        Context { now, seconds: self.seconds(now), clocks: &self.clocks }
     }
 
     /// Lets all events up to `now` happen and serves the DMA.
@@ -83,7 +77,7 @@ impl Devices {
                 }
             }
         }
-        if self.adc.next_event(&context) <= due {
+        if self.adc.next_event() <= due {
             let mut adc = std::mem::take(&mut self.adc);
             let mut warning = None;
             adc.fire(|channel| self.code(channel, context.seconds, &mut warning));

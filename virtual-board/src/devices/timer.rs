@@ -42,6 +42,8 @@ pub(crate) struct Timer {
     taken: u64,
     /// Pace of the counts, or `None` while the timer stands.
     pace: Option<Pace>,
+    /// Cycle of the next update or compare event.
+    due: u64,
 }
 
 impl Timer {
@@ -64,6 +66,7 @@ impl Timer {
             since: 0,
             taken: 0,
             pace: None,
+            due: u64::MAX,
         }
     }
 
@@ -106,6 +109,7 @@ impl Timer {
         self.since = context.now;
         self.taken = 0;
         self.pace = self.runs().then(|| self.pace_at(context));
+        self.due = self.find_due();
     }
 
     /// Takes a change of the bus clock. The counter keeps its value.
@@ -125,6 +129,11 @@ impl Timer {
 
     /// Returns the cycle of the next update or compare event.
     pub(crate) fn next_event(&self) -> u64 {
+        self.due
+    }
+
+    /// Finds the cycle of the next update or compare event.
+    fn find_due(&self) -> u64 {
         let Some(pace) = self.pace else { return u64::MAX };
         let ticks = self.watched().filter_map(|channel| self.next_tick(self.compare[channel]));
         let update = self.next_tick(0);
@@ -165,6 +174,7 @@ impl Timer {
                 self.anchor(0, context);
             }
         }
+        self.due = self.find_due();
     }
 
     fn update(&mut self) {
@@ -205,6 +215,18 @@ impl Timer {
     }
 
     pub(crate) fn write(
+        &mut self,
+        offset: u32,
+        value: u32,
+        context: &Context<'_>,
+        output: impl FnMut(TimerOutput),
+    ) -> Access<()> {
+        self.write_register(offset, value, context, output)?;
+        self.due = self.find_due();
+        Ok(())
+    }
+
+    fn write_register(
         &mut self,
         offset: u32,
         value: u32,

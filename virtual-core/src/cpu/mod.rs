@@ -1,7 +1,8 @@
 //! Processor, as far as the machine needs it: one trait round the two cores that execute the
 //! instructions. They know nothing of cycles, which [`crate::cycle`] charges.
 //!
-//! `direct` executes the common instructions, and has `rsemu` for all others.
+//! `direct` executes the common instructions, those of the FPU included, and has `rsemu` for all
+//! others.
 
 mod direct;
 mod rsemu;

@@ -5,12 +5,12 @@
 //! - Its exception frames do not hold the IT state, so that the rest of an interrupted IT block
 //!   would execute unconditionally. This module keeps the IT states.
 //! - It overwrites FPSCR before a lazy frame has kept it, so that the flags of a comparison would
-//!   be lost. This module never makes frames lazy.
+//!   be lost. This module never makes frames lazy, which would save time on silicon but none here.
 
 use std::sync::Arc;
 
 use rsemu::core::space::AddressSpace;
-use rsemu::cpu::arm::v7m::sys::{MPU_REGIONS, fsr};
+use rsemu::cpu::arm::v7m::sys::{MPU_REGIONS, fpccr, fsr};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs, xpsr};
 
 use super::{Core, CpuFault, DWT_ADDRESS, SYSTEM_ADDRESS, Stepped, any_register};
@@ -24,10 +24,6 @@ const EXCEPTION_CYCLES: u64 = 7;
 
 /// Bits of CPACR that give full access to coprocessors 10 and 11, the FPU.
 const CPACR_FPU: u32 = 0xf << 20;
-
-/// Bit of FPCCR that makes frames lazy: the FPU's half of an exception frame is written only when
-/// it is needed. That saves time on silicon, but none here.
-const FPCCR_LSPEN: u32 = 1 << 30;
 
 /// Bit of SysTick's control register that enables it.
 const SYST_CSR_ENABLE: u32 = 1;
@@ -46,13 +42,17 @@ struct Window {
     mask: u32,
 }
 
-/// Memory of which the protection unit decides access by access, and the timer's switch.
+/// Memory of which the protection unit decides access by access, and the switches of the timer and
+/// the FPU.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Protection {
     windows: [Window; MPU_REGIONS],
     count: usize,
     /// True if SysTick counts.
     pub(super) is_timer_running: bool,
+    /// True if the FPU is on, all of its half of a frame is written at once, and only for code that
+    /// uses the FPU.
+    pub(super) is_float_plain: bool,
 }
 
 impl Protection {
@@ -91,7 +91,7 @@ impl Rsemu {
         core.attach_space(space);
         // The first step is the reset sequence, which executes no instruction.
         core.step();
-        core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
+        core.with_sys(|sys| sys.fpccr &= !fpccr::LSPEN);
         Rsemu { core, exception: 0, active: 0, interrupted_blocks: Vec::new() }
     }
 
@@ -105,12 +105,31 @@ impl Rsemu {
         self.core.set_regs(registers);
     }
 
+    /// Switches the FPU on.
+    pub(super) fn switch_float_on(&mut self) {
+        self.core.with_sys(|sys| sys.cpacr |= CPACR_FPU);
+    }
+
+    /// Returns FPSCR.
+    pub(super) fn float_status(&self) -> u32 {
+        self.core.fpscr()
+    }
+
+    /// Sets FPSCR.
+    pub(super) fn set_float_status(&mut self, bits: u32) {
+        self.core.set_fpscr(bits);
+    }
+
     /// Returns the memory that not each access may reach, as the system registers have it now.
     pub(super) fn protection(&self) -> Protection {
         let unprivileged = self.core.regs().control & CONTROL_UNPRIVILEGED != 0;
         self.core.with_sys(|sys| {
-            let mut protection =
-                Protection { is_timer_running: sys.syst_csr & SYST_CSR_ENABLE != 0, ..Protection::default() };
+            let mut protection = Protection {
+                is_timer_running: sys.syst_csr & SYST_CSR_ENABLE != 0,
+                is_float_plain: sys.fp_enabled(!unprivileged)
+                    && sys.fpccr & (fpccr::ASPEN | fpccr::LSPEN | fpccr::LSPACT) == fpccr::ASPEN,
+                ..Protection::default()
+            };
             let is_on = sys.mpu_ctrl & MPU_CTRL_ENABLE != 0;
             if unprivileged || is_on && sys.mpu_ctrl & MPU_CTRL_DEFAULT_MAP == 0 {
                 protection.add(Window { base: 0, mask: 0 });
@@ -285,9 +304,9 @@ impl Core for Rsemu {
             sys.pending.fill(0);
             sys.cfsr = 0;
             sys.hfsr = 0;
-            sys.cpacr |= CPACR_FPU;
-            sys.fpccr &= !FPCCR_LSPEN;
+            sys.fpccr &= !fpccr::LSPEN;
         });
+        self.switch_float_on();
         let Regs { msp, psp, .. } = self.core.regs();
         self.core.set_regs(Regs {
             r: [0; 16],
@@ -307,7 +326,7 @@ impl Core for Rsemu {
         self.core.with_sys(|sys| sys.cpacr &= !CPACR_FPU);
         self.core.request_reset();
         self.core.step();
-        self.core.with_sys(|sys| sys.fpccr &= !FPCCR_LSPEN);
+        self.core.with_sys(|sys| sys.fpccr &= !fpccr::LSPEN);
     }
 
     fn set_interrupt(&mut self, line: u16, asserted: bool) {

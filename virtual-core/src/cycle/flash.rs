@@ -189,8 +189,14 @@ impl Accelerator {
 
     fn fetch_lines(&mut self, first: u32, last: u32, now: u64) -> u64 {
         let current = std::mem::replace(&mut self.current, last);
-        let lines = (first..=last).filter(|&line| line < FLASH_LINES && line != current);
-        lines.fold(now, |at, line| self.fetch_line(line, at)) - now
+        let mut at = now;
+        if first < FLASH_LINES && first != current {
+            at = self.fetch_line(first, at);
+        }
+        if last != first && last < FLASH_LINES && last != current {
+            at = self.fetch_line(last, at);
+        }
+        at - now
     }
 
     /// Returns the cycle at which a line is there that is needed at the cycle `now`.

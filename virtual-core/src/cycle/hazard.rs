@@ -16,11 +16,30 @@ pub struct Previous {
     load: bool,
     /// True if it read or wrote memory.
     memory: bool,
+    /// Bits of [`reads`] with which the cost of the next instruction may change.
+    leaves: u64,
+}
+
+/// Bits of [`reads`] beside the core registers: loads after a load, and stores with a register
+/// offset after an access of memory.
+const LOADS: u64 = 1 << 16;
+const STORES: u64 = 1 << 17;
+
+/// Returns what an instruction reads that the previous one may make dearer or cheaper: core
+/// registers in bits 0 to 15, FPU registers in bits 32 to 63, and the form of the access.
+pub(crate) fn reads(instruction: &Instruction) -> u64 {
+    let access = match instruction.kind {
+        Kind::Load => LOADS,
+        Kind::StoreRegister => STORES,
+        _ => 0,
+    };
+    access | u64::from(instruction.address) | u64::from(instruction.float_sources | instruction.float_addend) << 32
 }
 
 impl Previous {
     /// No previous instruction: the pipeline was refilled, and nothing can delay the next one.
-    pub const NOTHING: Previous = Previous { result: 0, writeback: 0, float_result: 0, load: false, memory: false };
+    pub const NOTHING: Previous =
+        Previous { result: 0, writeback: 0, float_result: 0, load: false, memory: false, leaves: 0 };
 
     /// Returns the properties of an instruction.
     #[inline]
@@ -28,13 +47,24 @@ impl Previous {
         use Kind::{Float, FloatDivide, FloatMultiplyAccumulate};
         let late = matches!(instruction.kind, Float | FloatDivide | FloatMultiplyAccumulate);
         let load = instruction.kind.is_load();
+        let memory = load || instruction.kind.is_store();
+        let float_result = if late { instruction.float_result } else { 0 };
+        let access = if load { LOADS } else { 0 } | if memory { STORES } else { 0 };
+        let registers = u64::from(instruction.result | instruction.writeback) | u64::from(float_result) << 32;
         Previous {
             result: instruction.result,
             writeback: instruction.writeback,
-            float_result: if late { instruction.float_result } else { 0 },
+            float_result,
             load,
-            memory: load || instruction.kind.is_store(),
+            memory,
+            leaves: access | registers,
         }
+    }
+
+    /// Returns false if an instruction that reads `reads` costs what it costs alone.
+    #[inline]
+    pub(crate) fn affects(&self, reads: u64) -> bool {
+        self.leaves & reads != 0
     }
 
     /// Returns the cost of `instruction` after this one; `alone` is its cost by itself.

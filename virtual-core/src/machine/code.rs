@@ -1,5 +1,6 @@
 //! Instructions of the program, each decoded once, with counts of how often they ran.
 
+use crate::cycle::hazard::{self, Previous};
 use crate::cycle::{Band, rules};
 use crate::decode::{self, Instruction, Kind};
 use crate::error::RunError;
@@ -12,6 +13,12 @@ pub(super) struct Slot {
     pub(super) instruction: Instruction,
     /// Cost of the instruction by itself.
     pub(super) alone: Band,
+    /// What the instruction reads that the one before it may delay ([`hazard::reads`]).
+    pub(super) reads: u64,
+    /// Instruction as the one after it sees it.
+    pub(super) previous: Previous,
+    /// True if the machine stops at the instruction, or if its cost depends on its operands.
+    pub(super) is_special: bool,
     /// Index of the function that contains the instruction.
     pub(super) function: u16,
     /// True if the other fields are valid.
@@ -42,6 +49,9 @@ impl Region {
         let slot = Slot {
             instruction: Instruction::new(Kind::Undefined, 2),
             alone: Band::default(),
+            reads: 0,
+            previous: Previous::NOTHING,
+            is_special: false,
             function: 0,
             decoded: false,
             opcode: 0,
@@ -122,6 +132,9 @@ fn fill(region: &mut Region, index: usize, address: u32, memory: &Memory, functi
     region.slots[index] = Slot {
         instruction,
         alone: rules::alone(&instruction),
+        reads: hazard::reads(&instruction),
+        previous: Previous::of(&instruction),
+        is_special: stops(instruction.kind) || matches!(instruction.kind, Kind::Divide { .. }),
         function: functions.index_at(address),
         decoded: true,
         opcode,

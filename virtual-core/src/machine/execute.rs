@@ -7,10 +7,10 @@ use rsemu::cpu::arm::v7m::isa::Cond;
 use super::Machine;
 use super::clock::ExceptionChange;
 use super::{catch, code};
-use crate::cpu::{Core, CpuFault, Stepped};
+use crate::cpu::{Core, CpuFault, Direct, Stepped};
 use crate::cycle::hazard::Previous;
 use crate::cycle::rules;
-use crate::decode::{Flow, Kind};
+use crate::decode::{Flow, Instruction, Kind};
 use crate::error::{Access, RunError};
 
 /// Numbers of the exceptions that are faults: hard fault, memory management, bus and usage fault.
@@ -59,47 +59,34 @@ impl Machine {
             // A copy of all its fields would take longer than most instructions do.
             let instruction = &slot.instruction;
             let function = slot.function;
-            if code::stops(instruction.kind) && !(self.fault_expected && instruction.kind == Kind::Undefined) {
-                let (kind, comment) = (instruction.kind, instruction.comment);
-                return self.at_stop(kind, comment, pc);
-            }
-            let alone = match instruction.kind {
-                Kind::Divide { signed } => {
-                    let [dividend, divisor] = instruction.operands.map(|register| self.core.register(register));
-                    rules::division(signed, dividend, divisor)
+            let mut alone = slot.alone;
+            if slot.is_special {
+                if code::stops(instruction.kind) && !(self.fault_expected && instruction.kind == Kind::Undefined) {
+                    let (kind, comment) = (instruction.kind, instruction.comment);
+                    return self.at_stop(kind, comment, pc);
                 }
-                _ => slot.alone,
-            };
-            let trace_block = slot.instruction.address != 0 && self.core.is_in_trace_block(instruction.address);
-            if trace_block && self.core.cycle_counter().is_some() {
-                self.core.set_cycle_counter(now.wrapping_sub(self.cycle_counter_origin) as u32);
-            }
-            let stored = (self.has_probe
-                && instruction.kind == Kind::StoreImmediate
-                && self.core.is_in_system_block(instruction.address))
-            .then(|| self.core.register(instruction.operands[0]));
-            if stored.is_some() {
-                catch::before_store(&mut self.core);
+                if let Kind::Divide { signed } = instruction.kind {
+                    let [dividend, divisor] = instruction.operands.map(|register| self.core.register(register));
+                    alone = rules::division(signed, dividend, divisor);
+                }
             }
             let passed = !self.in_block || in_block_passes(&self.core, &mut self.in_block);
 
-            let stepped = self.core.step(instruction, self.in_block);
-            if let Some(value) = stored {
-                catch::after_store(&mut self.core, value);
-            }
-            if asleep {
-                asleep = self.core.is_asleep();
+            let stepped = if !asleep && self.core.step_itself(instruction, self.in_block) {
+                Stepped::Instruction
+            } else {
+                let origin = &mut self.cycle_counter_origin;
+                let stepped = leave(&mut self.core, instruction, self.in_block, self.has_probe, now, origin);
+                asleep = asleep && self.core.is_asleep();
                 if asleep {
                     return Ok(Ended::Asleep);
                 }
-            }
+                stepped
+            };
             if !self.functions.is_current(function) {
                 self.functions.enter(function, self.total);
             }
             let next = pc.wrapping_add(u32::from(instruction.bytes));
-            if trace_block && let Some(cycles) = self.core.cycle_counter() {
-                self.cycle_counter_origin = now.wrapping_sub(u64::from(cycles));
-            }
             if let Stepped::Exception(number) = stepped {
                 if FAULTS.contains(&number) && !std::mem::take(&mut self.fault_expected) {
                     let kind = instruction.kind;
@@ -128,9 +115,12 @@ impl Machine {
 
             count.executed += 1;
             let mut waits = self.accelerator.fetch(pc, instruction.bytes, self.total.with_flash());
-            let mut band = self.previous.cost(instruction, alone);
+            let mut band = alone;
             if passed {
-                self.previous = Previous::of(instruction);
+                if self.previous.affects(slot.reads) {
+                    band = self.previous.cost(instruction, alone);
+                }
+                self.previous = slot.previous;
             } else {
                 band = rules::SKIPPED;
                 self.previous = Previous::NOTHING;
@@ -206,6 +196,38 @@ impl Machine {
             CpuFault::Other(fault) => RunError::Fault { fault, pc, function: self.functions.name_at(pc) },
         }
     }
+}
+
+/// Lets the core leave an instruction at the cycle `now` to `rsemu`, or enter an exception.
+///
+/// `origin` is the cycle at which the counter of the DWT was 0. The instruction may read that
+/// counter, or set it.
+fn leave(
+    core: &mut Direct,
+    instruction: &Instruction,
+    in_block: bool,
+    has_probe: bool,
+    now: u64,
+    origin: &mut u64,
+) -> Stepped {
+    let trace_block = instruction.address != 0 && core.is_in_trace_block(instruction.address);
+    if trace_block && core.cycle_counter().is_some() {
+        core.set_cycle_counter(now.wrapping_sub(*origin) as u32);
+    }
+    let stored =
+        (has_probe && instruction.kind == Kind::StoreImmediate && core.is_in_system_block(instruction.address))
+            .then(|| core.register(instruction.operands[0]));
+    if stored.is_some() {
+        catch::before_store(core);
+    }
+    let stepped = core.leave(instruction, in_block);
+    if let Some(value) = stored {
+        catch::after_store(core, value);
+    }
+    if trace_block && let Some(cycles) = core.cycle_counter() {
+        *origin = now.wrapping_sub(u64::from(cycles));
+    }
+    stepped
 }
 
 /// Adds a change of exceptions to the record, if there is one.

@@ -8,15 +8,17 @@
 //! | part | instructions |
 //! | --- | --- |
 //! | [`data`] | moves, sums, logic, shifts, bit fields, extension, saturation |
-//! | [`multiply`] | products of words and halves, and their sums |
+//! | [`multiply`] | products of words and halves, their sums, and quotients |
 //! | [`transfer`] | loads and stores of core registers in flash, RAM and CCM |
 //! | [`flow`] | branches, table branches, IT |
+//! | [`float`] | the FPU: arithmetic, comparisons, conversions, moves, loads and stores |
 //!
-//! All else is `rsemu`'s: the FPU, devices, system registers, faults, exceptions, sleep, unaligned
-//! and exclusive accesses. Before it executes one instruction it gets all registers, and behind it
-//! they are read back. `tests` compares both cores instruction by instruction.
+//! All else is `rsemu`'s: devices, system registers, faults, exceptions, sleep, unaligned and
+//! exclusive accesses. Before it executes one instruction it gets all registers that have changed,
+//! and behind it they are read back. `tests` compares both cores instruction by instruction.
 
 mod data;
+mod float;
 mod flow;
 mod multiply;
 #[cfg(test)]
@@ -33,6 +35,7 @@ use super::rsemu::{Protection, Rsemu, advanced};
 use super::{Core, CpuFault, DWT_ADDRESS, SYSTEM_ADDRESS, Stepped, any_register};
 use crate::decode::{Instruction, Kind};
 use crate::memory::Memory;
+use float::FloatRegisters;
 
 /// Bit of CONTROL that makes PSP the stack pointer of thread mode.
 const CONTROL_PROCESS_STACK: u32 = 2;
@@ -45,6 +48,7 @@ pub struct Direct {
     /// Registers of the core, of which `rsemu` has a copy only while it executes. Entry 15 is the
     /// address of the next instruction.
     registers: Regs,
+    floats: FloatRegisters,
     /// Address of the instruction that follows the one that executes.
     next: u32,
     /// True if no exception can be due before the next instruction.
@@ -59,14 +63,23 @@ impl Direct {
     /// `vectors`. It has not executed an instruction yet.
     pub(crate) fn new(space: Arc<AddressSpace>, memory: Memory, vectors: u32) -> Direct {
         let rsemu = Rsemu::new(space, vectors);
-        let registers = rsemu.registers();
-        Direct { rsemu, memory, registers, next: 0, is_calm: false, protection: Protection::default(), traps: 0 }
+        Direct {
+            registers: rsemu.registers(),
+            floats: FloatRegisters::of(&rsemu),
+            rsemu,
+            memory,
+            next: 0,
+            is_calm: false,
+            protection: Protection::default(),
+            traps: 0,
+        }
     }
 
     /// Puts the core in the state of power-on.
     pub(crate) fn power_on(&mut self, space: Arc<AddressSpace>, vectors: u32) {
         self.rsemu = Rsemu::new(space, vectors);
         self.registers = self.rsemu.registers();
+        self.floats = FloatRegisters::of(&self.rsemu);
         self.protection = Protection::default();
         self.is_calm = false;
     }
@@ -131,6 +144,7 @@ impl Direct {
             Insn::MulLong { signed, accumulate, rdlo, rdhi, rn, rm, umaal } => {
                 self.multiply_long([rdlo, rdhi, rn, rm], signed, accumulate, umaal)
             }
+            Insn::Div { signed, rd, rn, rm } => self.divide(signed, [rd, rn, rm]),
             Insn::HalfMul { op, rd, rn, rm, ra, x, y } => self.multiply_halves(op, [rd, rn, rm, ra], [x, y]),
             Insn::DualMul { op, rd, rn, rm, ra, x } => self.multiply_dual(op, [rd, rn, rm, ra], x),
             Insn::LoadStore { load, size, signed, rt, rn, offset, index, add, wback, unpriv: false } => {
@@ -151,16 +165,25 @@ impl Direct {
             Insn::Cbz { nonzero, rn, offset } => self.branch_zero(nonzero, rn, offset),
             Insn::TableBranch { rn, rm, half } => self.branch_table(rn, rm, half),
             Insn::It { cond, mask } => self.begin_block(cond, mask),
+            Insn::Fp(instruction) => self.float(instruction),
             _ => None,
         }
     }
 
+    /// Executes the instruction at the program counter, unless it must be left to `rsemu` with
+    /// [`Direct::leave`]. Returns true if it has been executed. The core must not be asleep.
+    #[inline]
+    pub(crate) fn step_itself(&mut self, instruction: &Instruction, in_block: bool) -> bool {
+        self.is_calm && self.traps == 0 && self.execute(instruction, in_block).is_some()
+    }
+
     /// Lets `rsemu` execute the next instruction or enter an exception.
-    fn leave(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
+    pub(crate) fn leave(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
         let is_system = self.reaches_system(instruction);
         self.put_registers();
         let stepped = self.rsemu.step(instruction, in_block);
         self.registers = self.rsemu.registers();
+        self.floats.read_after(&self.rsemu, instruction);
         let is_plain = !is_system
             && !matches!(
                 instruction.kind,
@@ -183,6 +206,7 @@ impl Direct {
             self.registers.msp = stack;
         }
         self.rsemu.set_registers(self.registers);
+        self.floats.write(&mut self.rsemu);
     }
 
     /// Returns true if the stack pointer is PSP.
@@ -227,6 +251,7 @@ impl Direct {
         self.put_registers();
         change(&mut self.rsemu);
         self.registers = self.rsemu.registers();
+        self.floats = FloatRegisters::of(&self.rsemu);
         self.protection = self.rsemu.protection();
         self.is_calm = false;
     }
@@ -235,7 +260,7 @@ impl Direct {
 impl Core for Direct {
     #[inline]
     fn step(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
-        if self.is_calm && self.traps == 0 && self.execute(instruction, in_block).is_some() {
+        if !self.is_asleep() && self.step_itself(instruction, in_block) {
             return Stepped::Instruction;
         }
         self.leave(instruction, in_block)
@@ -260,11 +285,11 @@ impl Core for Direct {
     }
 
     fn float_register(&self, index: u8) -> u32 {
-        self.rsemu.float_register(index)
+        self.floats.get(index)
     }
 
     fn set_float_register(&mut self, index: u8, bits: u32) {
-        self.rsemu.set_float_register(index, bits);
+        self.floats.set(index, bits);
     }
 
     #[inline]

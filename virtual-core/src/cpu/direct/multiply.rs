@@ -1,4 +1,4 @@
-//! Products of words and of halves, and their sums (DDI 0403 A7.7).
+//! Products of words and of halves, their sums, and quotients (DDI 0403 A7.7).
 
 use rsemu::cpu::arm::v7m::isa::{DualMulOp, HalfMulOp};
 use rsemu::cpu::arm::v7m::xpsr;
@@ -34,6 +34,20 @@ impl Direct {
             self.registers.xpsr |= xpsr::Q;
         }
         self.set(register, sum as u32);
+    }
+
+    /// Divides two words. A divisor of 0, which may be a fault, is left to `rsemu`.
+    #[inline]
+    pub(super) fn divide(&mut self, signed: bool, [rd, rn, rm]: [u8; 3]) -> Option<()> {
+        let [n, m] = [rn, rm].map(|register| self.get(register));
+        let quotient = if signed && m != 0 {
+            // The smallest integer divided by -1 is itself.
+            n.cast_signed().wrapping_div(m.cast_signed()).cast_unsigned()
+        } else {
+            n.checked_div(m)?
+        };
+        self.set(rd, quotient);
+        Some(())
     }
 
     #[inline]

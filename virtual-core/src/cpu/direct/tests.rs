@@ -1,4 +1,5 @@
-//! Both cores on random instructions, registers, flags and IT states.
+//! Both cores on random instructions, registers, flags and IT states. [`super::float`] has the tests
+//! of FPU instructions.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,8 +13,8 @@ use crate::decode::{self, Instruction};
 use crate::memory::{FLASH_ADDRESS, Memory, RAM_ADDRESS, RAM_BYTES};
 
 /// Addresses round which the instructions run, and about which base registers point.
-const CODE: u32 = RAM_ADDRESS + 0x100;
-const DATA: u32 = RAM_ADDRESS + 0x8000;
+pub(super) const CODE: u32 = RAM_ADDRESS + 0x100;
+pub(super) const DATA: u32 = RAM_ADDRESS + 0x8000;
 
 /// Words at which results and flags change.
 const EDGES: [u32; 10] = [0, 1, 0x7f, 0x8000, 0xffff, 0x7fff_ffff, 0x8000_0000, 0x8000_0001, 0xffff_fffe, 0xffff_ffff];
@@ -22,17 +23,17 @@ const EDGES: [u32; 10] = [0, 1, 0x7f, 0x8000, 0xffff, 0x7fff_ffff, 0x8000_0000, 
 const RARE: [u16; 5] = [0xf240, 0xf2c0, 0xf340, 0xf360, 0xf3c0];
 
 /// Random sequence of a fixed seed (xorshift).
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn word(&mut self) -> u32 {
+    pub(super) fn word(&mut self) -> u32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 16) as u32
     }
 
-    fn below(&mut self, end: u32) -> u32 {
+    pub(super) fn below(&mut self, end: u32) -> u32 {
         self.word() % end
     }
 
@@ -60,7 +61,7 @@ impl Random {
         }
     }
 
-    fn registers(&mut self) -> Regs {
+    pub(super) fn registers(&mut self) -> Regs {
         let mut registers = Regs { xpsr: xpsr::T | self.word() & (xpsr::FLAGS | xpsr::GE), ..Regs::new() };
         registers.r.fill_with(|| self.register());
         registers.r[13] &= !3;
@@ -75,14 +76,14 @@ impl Random {
 }
 
 /// Both cores, each with a memory of its own.
-struct Pair {
-    direct: Direct,
-    rsemu: Rsemu,
+pub(super) struct Pair {
+    pub(super) direct: Direct,
+    pub(super) rsemu: Rsemu,
     memories: [Memory; 2],
 }
 
 impl Pair {
-    fn new() -> Pair {
+    pub(super) fn new() -> Pair {
         let [first, second] = [(); 2].map(|()| Memory::new().unwrap());
         let direct = Direct::new(Arc::new(first.1), first.0.clone(), FLASH_ADDRESS);
         let mut rsemu = Rsemu::new(Arc::new(second.1), FLASH_ADDRESS);
@@ -91,11 +92,11 @@ impl Pair {
         Pair { direct, rsemu, memories: [first.0, second.0] }
     }
 
-    fn write(&self, address: u32, bytes: &[u8]) {
+    pub(super) fn write(&self, address: u32, bytes: &[u8]) {
         self.memories.iter().for_each(|memory| memory.write(address, bytes).unwrap());
     }
 
-    fn ram(&self) -> [Vec<u8>; 2] {
+    pub(super) fn ram(&self) -> [Vec<u8>; 2] {
         [0, 1].map(|of| {
             let mut bytes = vec![0; RAM_BYTES as usize];
             self.memories[of].read(RAM_ADDRESS, &mut bytes).unwrap();
@@ -105,7 +106,7 @@ impl Pair {
 }
 
 /// Name of an operation, with the part that tells its forms apart.
-fn name(instruction: &Instruction) -> String {
+pub(super) fn name(instruction: &Instruction) -> String {
     let text = format!("{:?}", instruction.operation);
     let form = text.split_once("op: ").map_or("", |(_, rest)| rest.split([',', ' ']).next().unwrap_or(""));
     format!("{} {form}", text.split([' ', '{']).next().unwrap_or(""))

@@ -39,7 +39,7 @@ impl Direct {
     }
 
     #[inline]
-    fn store(&self, address: u32, bytes: u32, value: u32) -> Option<()> {
+    pub(super) fn store(&self, address: u32, bytes: u32, value: u32) -> Option<()> {
         if address & (bytes - 1) != 0 || self.protection.covers(address) {
             return None;
         }

@@ -27,6 +27,9 @@ operations! { ".operations":
     mac_loop: "mov r2, #0", "mov r3, #0",
         "0: smlal r2, r3, r0, r1", "smmla r3, r0, r1, r3", "mla r2, r0, r1, r2", "add r1, r1, #3", "subs r0, r0, #1", "bne 0b",
         "mov r0, r2", "bx lr";
+    float_loop: "vmov s0, r1", "vmov s1, r1", "vmov s2, r1",
+        "0: vmul.f32 s0, s0, s1", "vfma.f32 s0, s1, s2", "vadd.f32 s2, s0, s1", "vmul.f32 s2, s2, s1", "subs r0, r0, #1",
+        "bne 0b", "vmov r0, s0", "bx lr";
     endless: "b endless";
     undefined: "udf #7";
     breakpoint: "bkpt #3", "bx lr";
