@@ -127,7 +127,7 @@ impl InRoom {
         self.fitted = Fitted::new(model, &self.dry, &self.whitening);
     }
 
-    /// The same thing in the room that it now leaves of the recording.
+    /// Thing in the room that it now leaves of the recording.
     fn next(self, samples: &[f64], rate_hz: f64) -> Self {
         dried(self.fitted, &self.dry, samples, rate_hz)
     }

@@ -43,10 +43,10 @@ pub(crate) struct Fading {
 }
 
 impl Fading {
-    /// What is assumed of a room of which nothing is known.
+    /// Fading that is assumed of a room of which nothing is known.
     pub(crate) const UNKNOWN: Self = Self { t60_s: 0.5, level: 0.1 };
 
-    /// What is assumed of a room whose fading is to be measured: none within the first second.
+    /// Fading that is assumed where it is to be measured: hardly any within the first second.
     pub(crate) const FLAT: Self = Self { t60_s: 5.0, level: 0.1 };
     /// Longest response in seconds.
     const LONGEST_S: f64 = 1.0;
@@ -105,25 +105,21 @@ pub(crate) fn reflected(dry: &[f64], response: &[f64]) -> Vec<f64> {
 /// below the first ones.
 pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) -> Option<Room> {
     let window = (WINDOW_S * rate_hz) as usize;
-    let powers_of = |(pole, energy): &(Pole, f64)| -> (f64, Vec<f64>) {
-        let sum = |(index, samples): (usize, &[f64])| {
+    let mut octaves: Vec<Octave> = Vec::new();
+    for (pole, energy) in modes {
+        let edges_hz = octave_of(pole.frequency_hz(rate_hz));
+        if octaves.last().is_none_or(|last| last.edges_hz != edges_hz) {
+            octaves.push(Octave { edges_hz, energy: 0.0, powers: vec![0.0; response.len() / window] });
+        }
+        let Some(octave) = octaves.last_mut() else { continue };
+        octave.energy += energy;
+        for (index, (power, samples)) in octave.powers.iter_mut().zip(response.chunks_exact(window)).enumerate() {
             let turn = |n: usize| C64::new(0.0, -pole.angular * (index * window + n) as f64).exp();
-            samples.iter().enumerate().map(|(n, x)| turn(n) * *x).sum::<C64>().norm_sqr()
-        };
-        (*energy, response.chunks_exact(window).enumerate().map(sum).collect())
-    };
-    let mut octaves: Vec<([f64; 2], Vec<(f64, Vec<f64>)>)> = Vec::new();
-    for mode in modes {
-        let edges_hz = octave_of(mode.0.frequency_hz(rate_hz));
-        match octaves.last_mut().filter(|(last, _)| *last == edges_hz) {
-            Some((_, modes)) => modes.push(powers_of(mode)),
-            None => octaves.push((edges_hz, vec![powers_of(mode)])),
+            *power += energy * samples.iter().enumerate().map(|(n, x)| turn(n) * *x).sum::<C64>().norm_sqr();
         }
     }
-    let bands = octaves.into_iter().filter_map(|(edges_hz, modes)| {
-        let all: f64 = modes.iter().map(|(energy, _)| energy).sum();
-        let mean = |index: usize| modes.iter().map(|(energy, powers)| energy * powers[index]).sum::<f64>() / all;
-        let powers: Vec<f64> = (0..response.len() / window).map(mean).collect();
+    let bands = octaves.into_iter().filter_map(|Octave { edges_hz, energy, powers }| {
+        let powers: Vec<f64> = powers.iter().map(|power| power / energy).collect();
         let blocks = decay::blocks(&powers, 1.0 / WINDOW_S, FROM_S, f64::INFINITY);
         // Slower than the room fades what errors of the modes' decays leave.
         let fit = decay::fit(&blocks, 2).or_else(|| decay::fit(&blocks, 1))?;
@@ -134,6 +130,15 @@ pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) ->
         Some(RoomBand { edges_hz, gain_db, t60_s })
     });
     of_bands(bands.collect())
+}
+
+/// An octave in which modes ring.
+struct Octave {
+    edges_hz: [f64; 2],
+    /// Energy of its modes.
+    energy: f64,
+    /// Powers of the response in windows at the modes' frequencies, times the modes' energies.
+    powers: Vec<f64>,
 }
 
 /// Length in seconds of the windows in which a response's power is looked at.

@@ -13,7 +13,7 @@ pub(super) struct Slot {
     pub(super) instruction: Instruction,
     /// Cost of the instruction by itself.
     pub(super) alone: Band,
-    /// What the instruction reads that the one before it may delay ([`hazard::reads`]).
+    /// Registers and access by which the instruction before may delay it ([`hazard::reads`]).
     pub(super) reads: u64,
     /// Instruction as the one after it sees it.
     pub(super) previous: Previous,

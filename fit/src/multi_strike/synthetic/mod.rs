@@ -9,7 +9,7 @@ mod room;
 use std::f64::consts::{PI, TAU};
 
 pub use places::at_places;
-pub use room::{TrueRoom, in_room};
+pub use room::in_room;
 
 use crate::random::SplitMix64;
 
@@ -29,6 +29,28 @@ pub struct StruckOften {
     /// Room, if there is one.
     pub room: Option<TrueRoom>,
 }
+
+/// Room of a synthetic recording.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueRoom {
+    /// T60 in seconds below 2 kHz.
+    pub t60_s: f64,
+    /// Energy of the room's response over that of the direct sound, in dB.
+    pub gain_db: f64,
+}
+
+impl TrueRoom {
+    /// T60 in seconds in the octave about a frequency: shorter above 2 kHz.
+    pub fn t60_s_at(&self, frequency_hz: f64) -> f64 {
+        let octaves = (frequency_hz / SPLIT_HZ).log2().clamp(-0.5, 0.5);
+        self.t60_s * SHORTER.powf(octaves + 0.5)
+    }
+}
+
+/// Frequency in Hz that parts the two bands of a room.
+const SPLIT_HZ: f64 = 2_000.0;
+/// Ratio of the upper band's T60 to that of the lower one.
+const SHORTER: f64 = 0.7;
 
 /// A mode of a synthetic object.
 #[derive(Clone, Debug)]

@@ -2,30 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{RATE_HZ, StruckOften, plain};
+use super::{RATE_HZ, SHORTER, SPLIT_HZ, StruckOften, TrueRoom, plain};
 use crate::random::SplitMix64;
-
-/// Room of a synthetic recording.
-#[derive(Clone, Copy, Debug)]
-pub struct TrueRoom {
-    /// T60 in seconds below 2 kHz.
-    pub t60_s: f64,
-    /// Energy of the room's response over that of the direct sound, in dB.
-    pub gain_db: f64,
-}
-
-impl TrueRoom {
-    /// T60 in seconds in the octave about a frequency: shorter above 2 kHz.
-    pub fn t60_s_at(&self, frequency_hz: f64) -> f64 {
-        let octaves = (frequency_hz / SPLIT_HZ).log2().clamp(-0.5, 0.5);
-        self.t60_s * SHORTER.powf(octaves + 0.5)
-    }
-}
-
-/// Frequency in Hz that parts the two bands of a room.
-const SPLIT_HZ: f64 = 2_000.0;
-/// Ratio of the upper band's T60 to that of the lower one.
-const SHORTER: f64 = 0.7;
 
 /// Many strikes at one place of an object in a room: the set *room*.
 ///

@@ -1,5 +1,5 @@
-//! Both cores on random instructions, registers, flags and IT states. [`super::float`] has the tests
-//! of FPU instructions.
+//! Both cores on random instructions, registers, flags and IT states. [`super::float`] has the
+//! tests of FPU instructions.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
