@@ -47,7 +47,7 @@ const SPREAD_OCTAVES: f64 = 0.3;
 /// time.
 const SETTLED: f64 = 3.0;
 /// Shortest and longest T60 of a room in seconds.
-const T60_S: (f64, f64) = (0.1, 8.0);
+pub(crate) const T60_S: (f64, f64) = (0.1, 8.0);
 /// Least ratio of the object's decay to the room's.
 const FASTER: f64 = 2.0;
 /// Least evidence for two slopes over one, as the logarithm of a likelihood ratio.

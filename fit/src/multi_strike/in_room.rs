@@ -20,8 +20,8 @@ use crate::room::Room;
 
 /// Maximum number of modes before the room is known: its tail is taken for more.
 const FIRST_MODES: usize = 24;
-/// Largest share of the energy that the first fit leaves which a room leaves in turn: -2 dB.
-const HEARD: f64 = 0.63;
+/// Largest share of the energy that the first fit leaves which a room leaves in turn: -0.2 dB.
+const HEARD: f64 = 0.95;
 /// Time in seconds behind a strike in which it stands out of what is left.
 const HEARD_S: f64 = 0.03;
 /// Least energy of a strike over what is left of it: 3 dB. In the sets *room* strikes have 15 dB or
@@ -98,8 +98,8 @@ fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
 const NEAR_HZ: f64 = 20.0;
 /// Least share of a room's sound that lies there.
 ///
-/// In the sets *room* 0.66 to 0.91 do, and 0.09 of a sound that a model of too few modes leaves.
-const NEAR: f64 = 0.4;
+/// In the sets *room* 0.45 to 0.91 do, and 0.09 of a sound that a model of too few modes leaves.
+const NEAR: f64 = 0.25;
 
 impl InRoom {
     /// Fits the thing anew to the sound without the room.

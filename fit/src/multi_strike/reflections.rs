@@ -19,7 +19,7 @@ use super::whitening::Whitening;
 use crate::convolution::Convolution;
 use crate::decay;
 use crate::modes::Pole;
-use crate::room::{Room, RoomBand, octave_of, of_bands};
+use crate::room::{Room, RoomBand, T60_S, octave_of, of_bands};
 
 type C64 = Complex<f64>;
 
@@ -121,13 +121,16 @@ pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) ->
     let bands = octaves.into_iter().filter_map(|Octave { edges_hz, energy, powers }| {
         let powers: Vec<f64> = powers.iter().map(|power| power / energy).collect();
         let blocks = decay::blocks(&powers, 1.0 / WINDOW_S, FROM_S, f64::INFINITY);
+        let band = |parts: usize| {
+            let (first, rate) = *decay::fit(&blocks, parts)?.parts.first()?;
+            // The power decays at twice the amplitude's rate: 60 dB are 6 ln 10.
+            let t60_s = 6.0 * 10f64.ln() / rate;
+            let gain_db = 10.0 * (first / (rate * WINDOW_S)).log10();
+            let is_room = (T60_S.0..=T60_S.1).contains(&t60_s) && gain_db < LOUDEST_DB;
+            is_room.then_some(RoomBand { edges_hz, gain_db, t60_s })
+        };
         // Slower than the room fades what errors of the modes' decays leave.
-        let fit = decay::fit(&blocks, 2).or_else(|| decay::fit(&blocks, 1))?;
-        let (first, rate) = *fit.parts.first()?;
-        // The power decays at twice the amplitude's rate: 60 dB are 6 ln 10.
-        let t60_s = 6.0 * 10f64.ln() / rate;
-        let gain_db = 10.0 * (first / (rate * WINDOW_S)).log10();
-        Some(RoomBand { edges_hz, gain_db, t60_s })
+        band(2).or_else(|| band(1))
     });
     of_bands(bands.collect())
 }
@@ -141,6 +144,9 @@ struct Octave {
     powers: Vec<f64>,
 }
 
+/// Level of a room in dB from which it is none: louder than the direct sound is what a fit makes of
+/// a few windows.
+const LOUDEST_DB: f64 = 0.0;
 /// Length in seconds of the windows in which a response's power is looked at.
 const WINDOW_S: f64 = 0.03;
 /// Time in seconds from which its power is looked at: the modes' gains and poles have taken up most
