@@ -36,9 +36,13 @@ const STRAIGHT: f64 = 181.0 / 180.0 * PI;
 /// would be the eighth.
 const FALLS: i32 = 4;
 /// Lengths of the edges of the first two meshes, in wavelengths of the highest mode: of free plates
-/// with rows along their edges, which are fine there, of other bodies, and of plates that are held
-/// all around, whose frequencies err more.
-const FIRST_SIZES: [[f64; 2]; 3] = [[0.8, 0.5], [0.7, 0.49], [0.63, 0.4]];
+/// with rows along their edges, of other bodies, and of plates that are held all around, whose
+/// frequencies err more. A coarser first mesh, 0.8, would make a third one needed for plates of
+/// 3:2 and 4:1.
+const FIRST_SIZES: [[f64; 2]; 3] = [[0.66, 0.46], [0.7, 0.49], [0.63, 0.4]];
+/// Lengths of those edges for free plates at whose corners stresses have no bound: the estimate of
+/// an L has all of the change between two meshes, and meshes of nearly one size change too little.
+const CORNERED_SIZES: [f64; 2] = [0.8, 0.5];
 
 /// Corner of an outline.
 #[derive(Clone, Copy, Debug)]
@@ -139,6 +143,7 @@ impl Body {
         let [rows, others, held] = FIRST_SIZES;
         match self.kind {
             Kind::Plate if self.is_held() => held,
+            Kind::Plate if self.has_rows && self.falls().is_none() => CORNERED_SIZES,
             Kind::Plate if self.has_rows => rows,
             _ => others,
         }
