@@ -7,18 +7,18 @@ use crate::outline::Point;
 
 /// Distance of neighbours on a ring, as a share of the longest edge; with `ROW` the diagonals
 /// between two rings stay below that edge wherever their points lie.
-const STEP: f64 = 0.75;
+const STEP: f64 = 0.68;
 
 /// Distance of two rings, as a share of the longest edge.
-const ROW: f64 = 0.64;
+const ROW: f64 = 0.6;
 
 /// Distance of a circle, whose own edges may be the longest ones, from the ring beside it, as a
 /// share of the longest edge.
 const RIM_ROW: f64 = 0.48;
 
 /// Growth of the distance of neighbours on a ring with the ring's distance from the inner circle:
-/// around a small hole each row of triangles is about 1.4 times as wide as the one before.
-const GROWTH: f64 = 0.5;
+/// around a small hole each row of triangles is about 1.3 times as wide as the one before.
+const GROWTH: f64 = 0.3;
 
 /// Number of samples along the radius.
 const SAMPLES: usize = 2048;
