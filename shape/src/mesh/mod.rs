@@ -6,7 +6,6 @@ mod disc;
 mod fill;
 mod free;
 mod measure;
-mod polar;
 mod rectangle;
 
 use crate::outline::{Outline, OutlineError, Point};
