@@ -35,9 +35,11 @@ pub(super) fn fill(
     let area: f64 = polygons.iter().map(|polygon| polygon_area(points, polygon)).sum();
     let most = 60.0 * area / (size * size) + 100.0 * names.len() as f64 + 10_000.0;
     let limit = 3f64.sqrt() / 4.0 * size * size;
+    let shortest = polygons.iter().map(|polygon| shortest_edge(points, polygon)).fold(f64::INFINITY, f64::min);
+    let least = (1e-9 * limit).min(0.01 * shortest * shortest);
     let parameters = RefinementParameters::<f64>::new()
         .exclude_outer_faces(true)
-        .with_min_required_area(1e-9 * limit)
+        .with_min_required_area(least)
         .with_max_allowed_area(limit)
         .with_max_additional_vertices(most as usize)
         .with_angle_limit(AngleLimit::from_deg(ANGLE_DEG));
@@ -156,6 +158,12 @@ fn splits(triangles: &[[usize; 3]], polygons: &[Vec<usize>]) -> Result<Vec<Vec<V
         rows.push(row);
     }
     Ok(rows)
+}
+
+/// Gives the length of the shortest edge of a polygon.
+fn shortest_edge(points: &[Point], polygon: &[usize]) -> f64 {
+    let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    ends.map(|(a, b)| distance(points[*a], points[*b])).fold(f64::INFINITY, f64::min)
 }
 
 /// Gives the area of a polygon, positive if it runs counter-clockwise.

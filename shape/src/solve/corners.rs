@@ -13,8 +13,21 @@ const FREE_CORNER: f64 = 195.0 / 180.0 * PI;
 const HINGED_CORNER: f64 = 95.0 / 180.0 * PI;
 /// Elements at corners, as a share of the largest ones.
 const CORNER_SHARE: f64 = 0.02;
-/// Elements at corners of thin plates, as a share of the largest ones.
-const HINGED_SHARE: f64 = 1e-3;
+/// Elements at other corners of thin plates, as a share of the largest ones.
+const THIN_SHARE: f64 = 1e-3;
+/// Part of the energy at a corner of two hinged edges that the smallest elements may miss. Within a
+/// thickness of it slopes vary as a power of the distance, and an element misses twice that power
+/// of its length: elements of half a thickness left an L of h/a 0.01 0.9 % off.
+const HINGED_PART: f64 = 1e-3;
+/// Smallest elements at corners of two hinged edges, as a share of the thickness: at blunt ones,
+/// where the power is small, no element could miss as little.
+const HINGED_LEAST: f64 = 1e-5;
+/// Sine of the turn at a corner up to which two hinged edges hold what one edge does.
+const SMOOTH: f64 = 0.1;
+/// Errors that a corner of two hinged edges makes whose energy is missed, in thicknesses by the
+/// root of the area: a corner out of the body, where octagons and polygons of 16 corners have 0.05
+/// and 0.26, and one into it, as measured on an L of h/a 0.01.
+const HINGED_ERRORS: [f64; 2] = [0.3, 2.0];
 /// Angle in the body above which a corner counts as one into it, however blunt: errors fall slowly
 /// with the length of the edges there.
 const STRAIGHT: f64 = 181.0 / 180.0 * PI;
@@ -23,9 +36,13 @@ const STRAIGHT: f64 = 181.0 / 180.0 * PI;
 /// would be the eighth.
 const FALLS: i32 = 4;
 /// Lengths of the edges of the first two meshes, in wavelengths of the highest mode: of free plates
-/// with rows along their edges, which are fine there, of other bodies, and of plates that are held
-/// all around, whose frequencies err more.
-const FIRST_SIZES: [[f64; 2]; 3] = [[0.8, 0.5], [0.7, 0.49], [0.63, 0.4]];
+/// with rows along their edges, of other bodies, and of plates that are held all around, whose
+/// frequencies err more. A coarser first mesh, 0.8, would make a third one needed for plates of
+/// 3:2 and 4:1.
+const FIRST_SIZES: [[f64; 2]; 3] = [[0.66, 0.46], [0.7, 0.49], [0.63, 0.4]];
+/// Lengths of those edges for free plates at whose corners stresses have no bound: the estimate of
+/// an L has all of the change between two meshes, and meshes of nearly one size change too little.
+const CORNERED_SIZES: [f64; 2] = [0.8, 0.5];
 
 /// Corner of an outline.
 #[derive(Clone, Copy, Debug)]
@@ -36,15 +53,35 @@ struct Corner {
     supports: [Support; 2],
 }
 
+impl Corner {
+    /// True if the edges meet in nearly one direction.
+    fn is_smooth(&self) -> bool {
+        self.angle.sin().abs() <= SMOOTH
+    }
+
+    /// Power of the distance as which slopes vary at a corner of two hinged edges.
+    fn power(&self) -> f64 {
+        [1.0, 2.0].map(|half_waves| (half_waves * PI / self.angle - 1.0).abs()).into_iter().fold(1.0, f64::min)
+    }
+
+    /// Length of the elements at a corner of two hinged edges, as a share of the thickness.
+    fn hinged_share(&self) -> f64 {
+        HINGED_PART.powf(0.5 / self.power()).max(HINGED_LEAST)
+    }
+}
+
 impl Body {
     /// Length of the elements at each corner where stresses have no bound.
     pub(super) fn at_corners(&self, size: f64) -> Vec<Option<f64>> {
         let length = |corner: Corner| {
             let widest = if self.is_hinged(corner) { HINGED_CORNER } else { FREE_CORNER };
-            // Within a thickness of it a corner of a plate is one in space.
-            let least = (HINGED_SHARE * size).max(0.5 * self.thickness);
-            let length = if self.kind == Kind::Plate { least } else { CORNER_SHARE * size };
-            (corner.angle > widest).then_some(length)
+            let length = match self.kind {
+                Kind::Plate if self.is_hinged(corner) => corner.hinged_share() * self.thickness,
+                // Within a thickness of it a corner of a plate is one in space.
+                Kind::Plate => (THIN_SHARE * size).max(0.5 * self.thickness),
+                _ => CORNER_SHARE * size,
+            };
+            (corner.angle > widest && !(self.is_hinged(corner) && corner.is_smooth())).then_some(length)
         };
         self.corners().into_iter().map(length).collect()
     }
@@ -65,6 +102,16 @@ impl Body {
             .flat_map(|ring| ring.clone().map(move |side| (side, if side == ring.start { ring.end } else { side } - 1)))
             .map(|(side, before)| corner(side, before))
             .collect()
+    }
+
+    /// Error of the frequencies from what the elements at corners of hinged edges miss.
+    pub(super) fn hinged_error(&self) -> f64 {
+        let is_sharp = |corner: &Corner| self.is_hinged(*corner) && corner.angle > HINGED_CORNER && !corner.is_smooth();
+        let missed = |corner: Corner| {
+            HINGED_ERRORS[usize::from(corner.angle > PI)] * corner.hinged_share().powf(2.0 * corner.power())
+        };
+        let all: f64 = self.corners().into_iter().filter(is_sharp).map(missed).sum();
+        all * self.thickness / self.outline.area().sqrt()
     }
 
     /// True for a corner of a plate between hinged edges.
@@ -96,6 +143,7 @@ impl Body {
         let [rows, others, held] = FIRST_SIZES;
         match self.kind {
             Kind::Plate if self.is_held() => held,
+            Kind::Plate if self.has_rows && self.falls().is_none() => CORNERED_SIZES,
             Kind::Plate if self.has_rows => rows,
             _ => others,
         }

@@ -97,7 +97,7 @@ impl Body {
         };
         let turn = self.wave_number(frequency_hz) * self.thickness;
         let rows = if self.has_rows { 0.0 } else { self.row_error() };
-        self.edge_error(of_edge) + rows + waves * turn * turn
+        self.edge_error(of_edge) + rows + self.hinged_error() + waves * turn * turn
     }
 }
 

@@ -63,3 +63,17 @@ fn estimates_of_polygons_hold_against_finer_meshes() {
     println!("{honest} of {all} estimates are honest");
     assert!(20 * honest >= 19 * all, "{honest} of {all} estimates are honest");
 }
+
+#[test]
+fn estimates_of_a_hinged_plate_with_a_corner_into_it_hold_against_a_finer_mesh() {
+    let polygon = "polygon_m = [[0, 0], [1, 0], [1, 0.5], [0.5, 0.5], [0.5, 1], [0, 1]]";
+    // The finer mesh is that of six times as many modes.
+    let text = plate(polygon, 0.01, "hinged");
+    let [solved, finer] = [8, 48].map(|count| solve_text(&text, None, Wanted::Lowest(count), 0.001).unwrap());
+    assert!(finer.unknowns > solved.unknowns, "{} and {} unknowns", finer.unknowns, solved.unknowns);
+    for (mode, hz) in solved.modes.iter().zip(frequencies(&finer)) {
+        let off = (mode.frequency_hz / hz - 1.0).abs();
+        println!("{:.2} Hz: off by {:.4} %, estimate {:.4} %", hz, 100.0 * off, 100.0 * mode.error);
+        assert!(off <= mode.error && mode.error <= 0.001, "{off} at {hz} Hz, estimate {}", mode.error);
+    }
+}
