@@ -73,7 +73,11 @@ fn between_strikes(
     Ok((free, onsets))
 }
 
-fn refuse_too_many(onsets: &[usize], length: usize, rate_hz: f64) -> Result<(), StrikesError> {
+/// Refuses more strikes than can be told apart.
+///
+/// # Errors
+/// [`StrikesError::TooMany`].
+pub(super) fn refuse_too_many(onsets: &[usize], length: usize, rate_hz: f64) -> Result<(), StrikesError> {
     let seconds = length as f64 / rate_hz;
     if onsets.len() as f64 > MOST_PER_S * seconds {
         return Err(StrikesError::TooMany { found: onsets.len(), seconds });

@@ -3,7 +3,7 @@
 use super::begin::at_best_time;
 use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
-use super::dry::dry;
+use super::dry::{dry, refuse_too_many};
 use super::error::StrikesError;
 use super::free::{Guard, free_modes};
 use super::heard::{log_deviation, with_heard_peaks};
@@ -22,8 +22,8 @@ const SHORTEST_S: f64 = 0.2;
 const FIRST_MODES: usize = 16;
 
 /// Ratio of the power that modes leave between strikes to that of its innovation from which a room
-/// may have coloured it: 6 dB.
-const COLOURED: f64 = 4.0;
+/// may have coloured it: 12 dB. The sets *room* have 17 dB or more.
+const COLOURED: f64 = 16.0;
 
 /// A fitted recording with the bounds of its numbers.
 #[derive(Clone, Debug)]
@@ -55,7 +55,8 @@ pub(crate) fn fit(
     let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
     let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
         .ok_or(StrikesError::TooFew { found: onsets.len() })?;
-    let may_have_room = layout == Layout::default() && free.variance > COLOURED * free.white_variance;
+    let is_roll = refuse_too_many(&onsets, samples.len(), rate_hz).is_err();
+    let may_have_room = layout == Layout::default() && !is_roll && free.variance > COLOURED * free.white_variance;
     let wet = may_have_room.then(|| {
         let usable = usable(samples, &onsets, rate_hz);
         in_room(samples, rate_hz, settings, (&onsets, &usable), &|share| told(0.85 * share))
