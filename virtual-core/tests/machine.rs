@@ -185,6 +185,17 @@ fn time_follows_a_column_of_the_cost_and_sleep_and_pauses_when_due() {
 }
 
 #[test]
+fn a_sleeping_core_that_is_resumed_sleeps_on_until_an_interrupt() {
+    let mut machine = common::machine();
+    let start = machine.symbol("sleep").unwrap().address;
+    machine.core().set_pc(start);
+    for resumption in 0..3 {
+        assert_eq!(machine.resume(1000).unwrap(), Stop::Asleep, "resumption {resumption}");
+        assert_eq!(machine.core().pc(), start + 2, "resumption {resumption}");
+    }
+}
+
+#[test]
 fn the_trace_unit_counts_the_cycles_of_the_model() {
     let mut machine = common::machine();
     // DEMCR.TRCENA and DWT_CTRL.CYCCNTENA start the counter.

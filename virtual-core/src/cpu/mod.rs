@@ -9,8 +9,6 @@ mod rsemu;
 
 pub use direct::Direct;
 
-use crate::decode::Instruction;
-
 /// Address of the block of DWT registers.
 const DWT_ADDRESS: u32 = 0xe000_1000;
 
@@ -61,11 +59,6 @@ pub enum Stepped {
 
 /// Cortex-M4F that executes one instruction at a time.
 pub trait Core {
-    /// Executes the instruction at the program counter, which the caller has decoded, or enters a
-    /// pending exception.
-    ///
-    /// `in_block` is true if the instruction may be inside an IT block.
-    fn step(&mut self, instruction: &Instruction, in_block: bool) -> Stepped;
     /// Returns the program counter: the address of the next instruction.
     fn pc(&self) -> u32;
     /// Sets the program counter, without the Thumb bit.

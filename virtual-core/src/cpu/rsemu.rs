@@ -14,7 +14,6 @@ use rsemu::cpu::arm::v7m::sys::{MPU_REGIONS, fpccr, fsr};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs, xpsr};
 
 use super::{Core, CpuFault, DWT_ADDRESS, SYSTEM_ADDRESS, Stepped, any_register};
-use crate::decode::Instruction;
 
 /// Fewest cycles that rsemu itself counts for entering or leaving an exception.
 ///
@@ -105,6 +104,15 @@ impl Rsemu {
         self.core.set_regs(registers);
     }
 
+    /// Executes the instruction at the program counter, or enters a pending exception.
+    ///
+    /// `in_block` is true if the instruction may be inside an IT block.
+    #[inline]
+    pub(super) fn step(&mut self, in_block: bool) -> Stepped {
+        let block = if in_block { self.core.xpsr() & xpsr::IT_MASK } else { 0 };
+        if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed(block) }
+    }
+
     /// Switches the FPU on.
     pub(super) fn switch_float_on(&mut self) {
         self.core.with_sys(|sys| sys.cpacr |= CPACR_FPU);
@@ -182,12 +190,6 @@ pub(super) fn advanced(block: u32) -> u32 {
 }
 
 impl Core for Rsemu {
-    #[inline]
-    fn step(&mut self, _: &Instruction, in_block: bool) -> Stepped {
-        let block = if in_block { self.core.xpsr() & xpsr::IT_MASK } else { 0 };
-        if self.core.step() < EXCEPTION_CYCLES { Stepped::Instruction } else { self.exception_changed(block) }
-    }
-
     #[inline]
     fn pc(&self) -> u32 {
         self.core.pc()

@@ -16,7 +16,7 @@ pub struct Previous {
     load: bool,
     /// True if it read or wrote memory.
     memory: bool,
-    /// Bits of [`reads`] with which the cost of the next instruction may change.
+    /// Bits of [`reads`] of a next instruction whose cost may change.
     leaves: u64,
 }
 

@@ -177,11 +177,13 @@ impl Direct {
         self.is_calm && self.traps == 0 && self.execute(instruction, in_block).is_some()
     }
 
-    /// Lets `rsemu` execute the next instruction or enter an exception.
+    /// Lets `rsemu` execute the instruction at the program counter, or enter a pending exception.
+    ///
+    /// `in_block` is true if the instruction may be inside an IT block.
     pub(crate) fn leave(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
         let is_system = self.reaches_system(instruction);
         self.put_registers();
-        let stepped = self.rsemu.step(instruction, in_block);
+        let stepped = self.rsemu.step(in_block);
         self.registers = self.rsemu.registers();
         self.floats.read_after(&self.rsemu, instruction);
         let is_plain = !is_system
@@ -258,14 +260,6 @@ impl Direct {
 }
 
 impl Core for Direct {
-    #[inline]
-    fn step(&mut self, instruction: &Instruction, in_block: bool) -> Stepped {
-        if !self.is_asleep() && self.step_itself(instruction, in_block) {
-            return Stepped::Instruction;
-        }
-        self.leave(instruction, in_block)
-    }
-
     #[inline]
     fn pc(&self) -> u32 {
         self.registers.r[15]

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use rsemu::cpu::arm::v7m::{Regs, xpsr};
 
 use super::Direct;
+use crate::cpu::Stepped;
 use crate::cpu::rsemu::Rsemu;
-use crate::cpu::{Core, Stepped};
 use crate::decode::{self, Instruction};
 use crate::memory::{FLASH_ADDRESS, Memory, RAM_ADDRESS, RAM_BYTES};
 
 /// Addresses round which the instructions run, and about which base registers point.
-pub(super) const CODE: u32 = RAM_ADDRESS + 0x100;
-pub(super) const DATA: u32 = RAM_ADDRESS + 0x8000;
+const CODE: u32 = RAM_ADDRESS + 0x100;
+const DATA: u32 = RAM_ADDRESS + 0x8000;
 
 /// Words at which results and flags change.
 const EDGES: [u32; 10] = [0, 1, 0x7f, 0x8000, 0xffff, 0x7fff_ffff, 0x8000_0000, 0x8000_0001, 0xffff_fffe, 0xffff_ffff];
@@ -83,30 +83,38 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new() -> Pair {
+    /// Makes two cores whose RAM and first 4 KB of flash hold the same random bytes.
+    pub(super) fn new(random: &mut Random) -> Pair {
         let [first, second] = [(); 2].map(|()| Memory::new().unwrap());
         let direct = Direct::new(Arc::new(first.1), first.0.clone(), FLASH_ADDRESS);
         let mut rsemu = Rsemu::new(Arc::new(second.1), FLASH_ADDRESS);
         // The next step would be the reset without a program.
         rsemu.set_registers(Regs::new());
-        Pair { direct, rsemu, memories: [first.0, second.0] }
+        let pair = Pair { direct, rsemu, memories: [first.0, second.0] };
+        let mut filling = vec![0; RAM_BYTES as usize];
+        filling.fill_with(|| random.word() as u8);
+        pair.write(RAM_ADDRESS, &filling);
+        pair.write(FLASH_ADDRESS, &filling[..0x1000]);
+        pair
     }
 
     pub(super) fn write(&self, address: u32, bytes: &[u8]) {
         self.memories.iter().for_each(|memory| memory.write(address, bytes).unwrap());
     }
 
-    pub(super) fn ram(&self) -> [Vec<u8>; 2] {
-        [0, 1].map(|of| {
+    /// Asserts that both cores have left the same in RAM.
+    pub(super) fn assert_same_ram(&self, what: &str) {
+        let [direct, rsemu] = [0, 1].map(|of| {
             let mut bytes = vec![0; RAM_BYTES as usize];
             self.memories[of].read(RAM_ADDRESS, &mut bytes).unwrap();
             bytes
-        })
+        });
+        assert!(direct == rsemu, "{what}: memory differs");
     }
 }
 
 /// Name of an operation, with the part that tells its forms apart.
-pub(super) fn name(instruction: &Instruction) -> String {
+fn name(instruction: &Instruction) -> String {
     let text = format!("{:?}", instruction.operation);
     let form = text.split_once("op: ").map_or("", |(_, rest)| rest.split([',', ' ']).next().unwrap_or(""));
     format!("{} {form}", text.split([' ', '{']).next().unwrap_or(""))
@@ -115,11 +123,7 @@ pub(super) fn name(instruction: &Instruction) -> String {
 #[test]
 fn direct_execution_of_random_instructions_leaves_what_rsemu_leaves() {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    let mut pair = Pair::new();
-    let mut filling = vec![0; RAM_BYTES as usize];
-    filling.fill_with(|| random.word() as u8);
-    pair.write(RAM_ADDRESS, &filling);
-    pair.write(FLASH_ADDRESS, &filling[..0x1000]);
+    let mut pair = Pair::new(&mut random);
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     for turn in 0..2_000_000_u32 {
         let [first, second] = random.opcode();
@@ -136,7 +140,7 @@ fn direct_execution_of_random_instructions_leaves_what_rsemu_leaves() {
                 *seen.entry(name(&instruction)).or_default() += 1;
             }
             pair.rsemu.set_registers(before);
-            assert_eq!(pair.rsemu.step(&instruction, in_block), Stepped::Instruction, "{what}");
+            assert_eq!(pair.rsemu.step(in_block), Stepped::Instruction, "{what}");
             let after = pair.rsemu.registers();
             assert_eq!(pair.direct.registers.r, after.r, "{what}");
             assert_eq!(pair.direct.registers.xpsr, after.xpsr, "{what}");
@@ -144,12 +148,10 @@ fn direct_execution_of_random_instructions_leaves_what_rsemu_leaves() {
             assert_eq!(pair.direct.registers, before, "{what}");
         }
         if turn % 4096 == 0 {
-            let [direct, rsemu] = pair.ram();
-            assert!(direct == rsemu, "{what}: memory differs");
+            pair.assert_same_ram(&what);
         }
     }
-    let [direct, rsemu] = pair.ram();
-    assert!(direct == rsemu, "memory differs");
+    pair.assert_same_ram("at the end");
     let least = seen.iter().min_by_key(|(_, count)| **count).unwrap();
     assert!(seen.len() >= 60 && *least.1 >= 30, "{} forms, the rarest {least:?}", seen.len());
 }

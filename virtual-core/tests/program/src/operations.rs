@@ -36,7 +36,7 @@ operations! { ".operations":
     load: "ldr r0, [r0]", "bx lr";
     store: "str r1, [r0]", "bx lr";
     jump: "bx r0";
-    sleep: "wfi", "bx lr";
+    sleep: "wfi", "mov r0, #1", "bx lr";
     divide_by: "sdiv r0, r0, r1", "bx lr";
 }
 

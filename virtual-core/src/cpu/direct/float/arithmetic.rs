@@ -1,8 +1,8 @@
 //! Sums, products, quotients, square roots and comparisons (DDI 0403 A2.5).
 //!
-//! A result of the PC is exact or rounded to nearest, as that of the FPU is. It counts if it can
-//! have raised no flag but that of inexact results. Whether it was inexact is found out only until
-//! FPSCR says that a result was, since nothing but the program clears that flag.
+//! The host rounds to nearest, as the FPU does in the modes of reset. Its result is used if it can
+//! raise no exception flag other than IXC, that of inexact results. Whether a result is inexact is
+//! no longer computed once IXC is set: only the program clears that flag.
 
 use rsemu::cpu::arm::v7m::fp::{self, fpscr};
 use rsemu::cpu::arm::v7m::fpisa::{DataOp, UnaryOp};
@@ -10,11 +10,12 @@ use rsemu::float::{Env, Flags};
 
 use super::Direct;
 
-/// Smallest magnitude of a rounded result that has not been a subnormal before: twice the smallest
-/// normal number.
+/// Least magnitude from which a result cannot have been a subnormal before it was rounded: twice
+/// the smallest normal number.
 const SMALLEST: f32 = 2.0 * f32::MIN_POSITIVE;
 
-/// Bits of a double behind those that a single keeps, and their value half-way between two singles.
+/// Mask of the fraction bits of a double that a single lacks, and their value half-way between two
+/// singles.
 const DROPPED: u64 = (1 << 29) - 1;
 const HALF_WAY: u64 = 1 << 28;
 

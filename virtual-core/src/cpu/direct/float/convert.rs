@@ -16,6 +16,24 @@ fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((127 + exponent) as u32) << SINGLE_FRACTION_BITS)
 }
 
+/// Form of a fixed-point number in a register of the FPU.
+#[derive(Clone, Copy)]
+pub(super) struct FixedPoint {
+    /// Number of bits, 16 or 32.
+    pub(super) bits: u32,
+    /// True if the number has no sign.
+    pub(super) unsigned: bool,
+    /// Number of bits behind the point.
+    pub(super) fraction_bits: u8,
+}
+
+impl FixedPoint {
+    /// Form of an integer of a word.
+    pub(super) fn integer(signed: bool) -> FixedPoint {
+        FixedPoint { bits: 32, unsigned: !signed, fraction_bits: 0 }
+    }
+}
+
 impl Direct {
     /// Converts the single of register m to an integer in register d.
     ///
@@ -23,23 +41,17 @@ impl Direct {
     #[inline]
     pub(super) fn convert_to_integer(&mut self, [d, m]: [u8; 2], signed: bool, rounds_to_zero: bool) -> Option<()> {
         if rounds_to_zero {
-            return self.convert_to_fixed([d, m], 32, !signed, 0);
+            return self.convert_to_fixed([d, m], FixedPoint::integer(signed));
         }
         let result = fp::to_fixed(self.floats.get(m), 32, !signed, 0, self.float_modes());
         self.floats.finish(d, result);
         Some(())
     }
 
-    /// Converts the single of register m to a fixed-point number in register d: `bits` bits of
-    /// which `fraction_bits` are behind the point, rounded towards 0.
+    /// Converts the single of register m to a fixed-point number in register d, rounded towards 0.
     #[inline]
-    pub(super) fn convert_to_fixed(
-        &mut self,
-        [d, m]: [u8; 2],
-        bits: u32,
-        unsigned: bool,
-        fraction_bits: u8,
-    ) -> Option<()> {
+    pub(super) fn convert_to_fixed(&mut self, [d, m]: [u8; 2], form: FixedPoint) -> Option<()> {
+        let FixedPoint { bits, unsigned, fraction_bits } = form;
         let single = self.floats.get(m);
         let scaled = f64::from(f32::from_bits(single)) * f64::from(power_of_two(i32::from(fraction_bits)));
         // Numbers beyond the range are clamped, and NaNs become 0. Neither is in a range.
@@ -58,16 +70,10 @@ impl Direct {
         Some(())
     }
 
-    /// Converts a fixed-point number in register m to a single in register d. The number has `bits`
-    /// bits, of which `fraction_bits` are behind the point.
+    /// Converts a fixed-point number in register m to a single in register d.
     #[inline]
-    pub(super) fn convert_from_fixed(
-        &mut self,
-        [d, m]: [u8; 2],
-        bits: u32,
-        unsigned: bool,
-        fraction_bits: u8,
-    ) -> Option<()> {
+    pub(super) fn convert_from_fixed(&mut self, [d, m]: [u8; 2], form: FixedPoint) -> Option<()> {
+        let FixedPoint { bits, unsigned, fraction_bits } = form;
         let fixed = self.floats.get(m);
         if self.floats.has_reset_modes() {
             let integer = match (bits, unsigned) {

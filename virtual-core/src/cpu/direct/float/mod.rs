@@ -1,6 +1,6 @@
 //! FPU instructions (DDI 0403 A7.7), single precision.
 //!
-//! The PC's own arithmetic computes most results: it is IEEE 754 too, and rounds to nearest. Where
+//! The host's own arithmetic computes most results: it is IEEE 754 too, and rounds to nearest. Where
 //! bits or exception flags could differ, the arithmetic of `rsemu` computes them: NaN and infinite
 //! operands, results next to the subnormals or beyond all numbers, divisions by 0, and the modes of
 //! FPSCR other than those of reset.
@@ -24,6 +24,8 @@ use rsemu::cpu::arm::v7m::fp::fpscr;
 use rsemu::cpu::arm::v7m::fpisa::FpInsn;
 use rsemu::cpu::arm::v7m::sys::control;
 use rsemu::float::Flags;
+
+use convert::FixedPoint;
 
 use super::Direct;
 use crate::cpu::Core;
@@ -159,14 +161,12 @@ impl Direct {
             FpInsn::CvtInt { d, m, to_int: true, signed, round_zero } => {
                 self.convert_to_integer([d, m], signed, round_zero)
             }
-            FpInsn::CvtInt { d, m, to_int: false, signed, .. } => self.convert_from_fixed([d, m], 32, !signed, 0),
+            FpInsn::CvtInt { d, m, to_int: false, signed, .. } => {
+                self.convert_from_fixed([d, m], FixedPoint::integer(signed))
+            }
             FpInsn::CvtFixed { d, to_fixed, unsigned, wide, frac } => {
-                let bits = if wide { 32 } else { 16 };
-                if to_fixed {
-                    self.convert_to_fixed([d, d], bits, unsigned, frac)
-                } else {
-                    self.convert_from_fixed([d, d], bits, unsigned, frac)
-                }
+                let form = FixedPoint { bits: if wide { 32 } else { 16 }, unsigned, fraction_bits: frac };
+                if to_fixed { self.convert_to_fixed([d, d], form) } else { self.convert_from_fixed([d, d], form) }
             }
             FpInsn::CvtHalf { d, m, to_half: true, top } => self.convert_to_half(d, m, top),
             FpInsn::CvtHalf { d, m, to_half: false, top } => self.convert_from_half(d, m, top),

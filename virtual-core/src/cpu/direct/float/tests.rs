@@ -9,7 +9,6 @@ use super::super::tests::{Pair, Random};
 use super::{MODES, SINGLES};
 use crate::cpu::{Core, Stepped};
 use crate::decode::{self, Instruction};
-use crate::memory::{FLASH_ADDRESS, RAM_ADDRESS, RAM_BYTES};
 
 /// Singles at which results and flags change, without their signs: zeros, subnormals, the smallest
 /// and greatest normal numbers, infinities, NaNs, and numbers at the ends of integers.
@@ -121,12 +120,8 @@ fn name(instruction: &Instruction) -> String {
 #[test]
 fn direct_execution_of_random_float_instructions_leaves_what_rsemu_leaves() {
     let mut random = Random(0x0123_4567_89ab_cdef);
-    let mut pair = Pair::new();
+    let mut pair = Pair::new(&mut random);
     switch_on(&mut pair);
-    let mut filling = vec![0; RAM_BYTES as usize];
-    filling.fill_with(|| random.word() as u8);
-    pair.write(RAM_ADDRESS, &filling);
-    pair.write(FLASH_ADDRESS, &filling[..0x1000]);
     let mut seen: BTreeMap<String, u32> = BTreeMap::new();
     let mut raised: BTreeMap<u32, u32> = BTreeMap::new();
     for turn in 0..500_000_u32 {
@@ -153,7 +148,7 @@ fn direct_execution_of_random_float_instructions_leaves_what_rsemu_leaves() {
             *seen.entry(name(&instruction)).or_default() += 1;
         }
         pair.rsemu.set_registers(before);
-        assert_eq!(pair.rsemu.step(&instruction, in_block), Stepped::Instruction, "{what}");
+        assert_eq!(pair.rsemu.step(in_block), Stepped::Instruction, "{what}");
         let after = pair.rsemu.registers();
         assert_eq!(pair.direct.registers.r, after.r, "{what}");
         assert_eq!(pair.direct.registers.xpsr, after.xpsr, "{what}");
@@ -168,12 +163,10 @@ fn direct_execution_of_random_float_instructions_leaves_what_rsemu_leaves() {
             *raised.entry(flag).or_default() += 1;
         }
         if turn % 4096 == 0 {
-            let [direct, rsemu] = pair.ram();
-            assert!(direct == rsemu, "{what}: memory differs");
+            pair.assert_same_ram(&what);
         }
     }
-    let [direct, rsemu] = pair.ram();
-    assert!(direct == rsemu, "memory differs");
+    pair.assert_same_ram("at the end");
     let least = seen.iter().min_by_key(|(_, count)| **count).unwrap();
     assert!(seen.len() >= 68 && *least.1 >= 60, "{} forms, the rarest {least:?}", seen.len());
     let least = raised.iter().min_by_key(|(_, count)| **count).unwrap();

@@ -45,8 +45,8 @@ impl Direct {
         Some(())
     }
 
-    /// Loads or stores `count` registers from `first` on. Nothing changes if a word is none of the
-    /// memory, which is then left to `rsemu`.
+    /// Loads or stores `count` registers from `first` on. If a word lies outside the memory nothing
+    /// changes, and the instruction is left to `rsemu`.
     #[inline]
     pub(super) fn transfer_singles(&mut self, load: bool, address: u32, first: u8, count: u8) -> Option<()> {
         let addresses = (0..u32::from(count)).map(|word| address.wrapping_add(4 * word));
@@ -58,7 +58,7 @@ impl Direct {
             }
             return Some(());
         }
-        // All words are read first: they can be stored if the first one can.
+        // Reading proves that all words are in memory. A store that is refused is so at the first one.
         let mut words = [0; SINGLES];
         for (word, address) in words.iter_mut().zip(addresses.clone()) {
             *word = self.load(address, 4)?;
