@@ -12,10 +12,9 @@
 //!   cycle: cost alone + hazards + flash waits -----'
 //! ```
 //!
-//! It runs 50 million instructions per second with cycles charged (a loop of multiply-accumulates,
-//! optimised build; `cargo bench -p virtual-core --bench speed`), where `rsemu` alone runs 9
-//! million. The same bench prints the speed of a loop of float instructions, which is about that of
-//! the integer loop.
+//! It runs up to 48 million instructions per second with cycles charged in a loop of
+//! multiply-accumulates, and up to 39 million in a loop of float instructions (optimised build;
+//! `cargo bench -p virtual-core --bench speed`), where `rsemu` alone runs 9 million.
 //!
 //! An instruction or address that the machine does not know ends the run with an error that names
 //! it.

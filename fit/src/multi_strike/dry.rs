@@ -18,8 +18,6 @@ const ROUNDS: usize = 4;
 const SETTLED_S: f64 = 0.0025;
 /// Share of the energy that the first fit leaves from which no completion helps: -0.5 dB.
 const UNEXPLAINED_AT_FIRST: f64 = 0.89;
-/// Maximum number of strikes a second, in the mean of a recording.
-const MOST_PER_S: f64 = 9.0;
 
 /// Fit of a recording without a room, and the filter of its noise, from moments near which strikes
 /// begin and modes between them.
@@ -54,7 +52,7 @@ fn between_strikes(
         let white = free.whitening.filtered(samples, 0..samples.len());
         let changed: Vec<usize> =
             changes(&white, &free.poles, rate_hz, free.white_variance).into_iter().map(|change| change.0).collect();
-        refuse_too_many(&changed, samples.len(), rate_hz)?;
+        StrikesError::refuse_too_many(changed.len(), samples.len() as f64 / rate_hz)?;
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
         onsets = changed;
@@ -71,16 +69,4 @@ fn between_strikes(
     }
     StrikesError::refuse_few(onsets.len(), rising)?;
     Ok((free, onsets))
-}
-
-/// Refuses more strikes than can be told apart.
-///
-/// # Errors
-/// [`StrikesError::TooMany`].
-pub(super) fn refuse_too_many(onsets: &[usize], length: usize, rate_hz: f64) -> Result<(), StrikesError> {
-    let seconds = length as f64 / rate_hz;
-    if onsets.len() as f64 > MOST_PER_S * seconds {
-        return Err(StrikesError::TooMany { found: onsets.len(), seconds });
-    }
-    Ok(())
 }

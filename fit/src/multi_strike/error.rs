@@ -4,6 +4,8 @@
 pub(crate) const LEAST_STRIKES: usize = 2;
 /// Number of rises of the sound from which on too few strikes are not for want of strikes.
 const MANY_RISES: usize = 5;
+/// Maximum number of strikes a second, in the mean of a recording.
+const MOST_PER_S: f64 = 9.0;
 
 /// Reason for which the strikes of a recording cannot be fitted together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -68,6 +70,11 @@ impl StrikesError {
             _ if rises > MANY_RISES => Err(Self::Unclear { found, rises }),
             _ => Err(Self::TooFew { found }),
         }
+    }
+
+    /// Refuses more strikes in a time than can be told apart.
+    pub(super) fn refuse_too_many(found: usize, seconds: f64) -> Result<(), Self> {
+        if found as f64 > MOST_PER_S * seconds { Err(Self::TooMany { found, seconds }) } else { Ok(()) }
     }
 
     /// Refuses a fit that leaves more than a share of a recording's energy.

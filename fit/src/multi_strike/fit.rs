@@ -3,7 +3,7 @@
 use super::begin::at_best_time;
 use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
-use super::dry::{dry, refuse_too_many};
+use super::dry::dry;
 use super::error::StrikesError;
 use super::free::{Guard, free_modes};
 use super::heard::{log_deviation, with_heard_peaks};
@@ -46,16 +46,18 @@ pub(crate) fn fit(
     layout: Layout,
     told: &dyn Fn(f64),
 ) -> Result<JointFit, StrikesError> {
+    let seconds = samples.len() as f64 / rate_hz;
     let is_short = samples.len() < (SHORTEST_S * rate_hz) as usize;
     if is_short {
-        return Err(StrikesError::TooShort { seconds: samples.len() as f64 / rate_hz });
+        return Err(StrikesError::TooShort { seconds });
     }
     let onsets = rises(samples, rate_hz);
     let rising = onsets.len();
     let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
     let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
         .ok_or(StrikesError::TooFew { found: onsets.len() })?;
-    let is_roll = refuse_too_many(&onsets, samples.len(), rate_hz).is_err();
+    // The fast strikes of a roll are no echoes.
+    let is_roll = StrikesError::refuse_too_many(rising, seconds).is_err();
     let may_have_room = layout == Layout::default() && !is_roll && free.variance > COLOURED * free.white_variance;
     let wet = may_have_room.then(|| {
         let usable = usable(samples, &onsets, rate_hz);

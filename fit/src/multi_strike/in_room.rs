@@ -1,31 +1,33 @@
 //! Strikes in a room: the room's response, and the thing in what is left without it, in turn.
 //!
-//! Strikes are first those that rise in the ear's bands, since a room only fades. Modes and
-//! contacts are fitted to the sound as if it were dry. The response follows from what they leave
-//! ([`super::reflections`]); its sound is taken off the recording, and they are fitted anew.
+//! The first strikes are the rises in the ear's bands: a room's sound only fades, and so adds none.
+//! Modes and contacts are fitted to the sound as if it were dry. The response follows from the
+//! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and modes
+//! and contacts are fitted again.
 
 use super::begin::{at_best_time, begun};
 use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
 use super::equations::residual as left_of;
+use super::error::LEAST_STRIKES;
 use super::free::{Guard, free_modes};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::passes::completed_fit;
-use super::reflections::{Fading, measured, reflected, response};
+use super::reflections::{FLAT_T60_S, UNKNOWN_T60_S, measured, reflected, response};
 use super::whitening::{ORDER, Whitening};
 use crate::bark::Spectrum;
 use crate::modes::Settings;
 use crate::room::Room;
 
-/// Maximum number of modes before the room is known: its tail is taken for more.
+/// Maximum number of modes before the room is known: further ones would model the room's tail.
 const FIRST_MODES: usize = 24;
-/// Largest share of the energy that the first fit leaves which a room leaves in turn: -0.2 dB.
+/// Largest ratio of the residual's energy with a room to that without one: -0.2 dB.
 const HEARD: f64 = 0.95;
-/// Time in seconds behind a strike in which it stands out of what is left.
+/// Time in seconds from a strike's beginning in which its energy is compared with the residual's.
 const HEARD_S: f64 = 0.03;
-/// Least energy of a strike over what is left of it: 3 dB. In the sets *room* strikes have 15 dB or
-/// more, and echoes -5 dB or less.
+/// Least ratio of a strike's energy to the residual's: 3 dB. In the sets *room* true strikes have
+/// 15 dB or more, and echoes have -5 dB or less.
 const LEAST_OVER_LEFT: f64 = 2.0;
 
 /// Thing in a room, and the recording without the room's sound.
@@ -52,31 +54,35 @@ pub(super) fn in_room(
     let free = free_modes(samples, onsets, Guard::OF_RISE, rate_hz, few, &[])?;
     told(0.1);
     let first = begun(samples, &free, (onsets, usable), rate_hz, layout, &|share| told(0.1 + 0.2 * share)).ok()?;
-    let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
     let left = energy(&first.residual);
-    let mut turn = dried(first, samples, samples, rate_hz);
-    turn.descend();
+    let mut turn = dried(first, samples, samples, rate_hz).descended();
     let wet: Vec<f64> = samples.iter().zip(&turn.dry).map(|(x, dry)| x - dry).collect();
     if energy(&turn.fitted.residual) > HEARD * left || !is_near_modes(&wet, &turn.fitted.model, rate_hz) {
         return None;
     }
     told(0.35);
-    turn = turn.next(samples, rate_hz);
-    turn.descend();
+    turn = turn.next(samples, rate_hz).descended();
     turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening);
     told(0.4);
     turn = turn.next(samples, rate_hz);
     let told = |share: f64| told(0.4 + 0.5 * share);
     (turn.fitted, turn.whitening) = completed_fit(turn.fitted, &turn.dry, rate_hz, settings, layout, &told).ok()?;
     turn.drop_echoes(rate_hz);
-    turn = turn.next(samples, rate_hz);
-    turn.descend();
+    if turn.fitted.model.strikes.len() < LEAST_STRIKES {
+        return None;
+    }
+    turn = turn.next(samples, rate_hz).descended();
     turn.room = turn.measured(samples, rate_hz);
     Some(turn)
 }
 
-/// True if a sound lies at the frequencies of the modes, as a room's does; a response can take up
-/// modes that the model lacks as well.
+fn energy(sound: &[f64]) -> f64 {
+    sound.iter().map(|x| x * x).sum()
+}
+
+/// True if a sound has its energy near the modes' frequencies, as a room's sound has.
+///
+/// A response also takes up modes that the model lacks, at other frequencies.
 fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
     let Some(spectrum) = Spectrum::of(sound, rate_hz) else { return false };
     let bin_hz = spectrum.bin_hz();
@@ -94,31 +100,29 @@ fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
     near > NEAR * all
 }
 
-/// Distance in Hz from a mode within which a room's sound lies.
+/// Distance in Hz from a mode's frequency up to which energy counts as near the mode.
 const NEAR_HZ: f64 = 20.0;
-/// Least share of a room's sound that lies there.
+/// Least share of the energy near modes at which a response is a room's.
 ///
-/// In the sets *room* 0.45 to 0.91 do, and 0.09 of a sound that a model of too few modes leaves.
+/// The sets *room* have shares of 0.45 to 0.91, and a model of too few modes has 0.09.
 const NEAR: f64 = 0.25;
 
 impl InRoom {
-    /// Fits the thing anew to the sound without the room.
-    fn descend(&mut self) {
-        let model = self.fitted.model.clone();
-        self.fitted =
-            descend(Fitted::new(model, &self.dry, &self.whitening), &self.dry, &self.whitening, Ending::COARSE);
+    /// Thing fitted again to the sound without the room.
+    fn descended(self) -> Self {
+        let fitted = descend(self.fitted, &self.dry, &self.whitening, Ending::COARSE);
+        Self { fitted, ..self }
     }
 
-    /// Drops the strikes that are quieter than what is left: they are the room's.
+    /// Drops strikes that do not stand out of the residual: they are echoes.
     fn drop_echoes(&mut self, rate_hz: f64) {
         let (model, residual) = (&self.fitted.model, &self.fitted.residual);
-        let energy = |sound: &[f64]| sound.iter().map(|x| x * x).sum::<f64>();
         let stands_out = |strike: &Strike| {
             let from = (strike.contact.first_sample().max(0.0) as usize).min(residual.len());
             let behind = &residual[from..(from + (HEARD_S * rate_hz) as usize).min(residual.len())];
             let contact = Contact { middle: strike.contact.middle - from as f64, ..strike.contact };
             let alone = Model { strikes: vec![Strike { contact, ..*strike }], ..model.clone() };
-            // What a model leaves of silence is its sound, turned round.
+            // The residual of silence is the model's sound with its sign changed.
             let own = left_of(&alone, &vec![0.0; behind.len()]);
             energy(&own) > LEAST_OVER_LEFT * energy(behind)
         };
@@ -136,9 +140,9 @@ impl InRoom {
     fn measured(&self, samples: &[f64], rate_hz: f64) -> Option<Room> {
         let model = &self.fitted.model;
         let [dry, left] = parts(&self.fitted, &self.dry, samples);
-        let response = response([&dry, &left], &self.whitening, Fading::FLAT, rate_hz);
-        let energy = |mode: usize| model.gains[mode][0].norm_sqr() / model.poles[mode].decay;
-        let mut modes: Vec<_> = (0..model.poles.len()).map(|mode| (model.poles[mode], energy(mode))).collect();
+        let response = response([&dry, &left], &self.whitening, FLAT_T60_S, rate_hz);
+        let of_mode = |mode: usize| (model.poles[mode], model.gains[mode][0].norm_sqr() / model.poles[mode].decay);
+        let mut modes: Vec<_> = (0..model.poles.len()).map(of_mode).collect();
         modes.sort_by(|a, b| a.0.angular.total_cmp(&b.0.angular));
         measured(&response, &modes, rate_hz)
     }
@@ -155,7 +159,7 @@ fn parts(fitted: &Fitted, sound: &[f64], samples: &[f64]) -> [Vec<f64>; 2] {
 fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom {
     let [dry, left] = parts(&fitted, sound, samples);
     let whitening = Whitening::of_residual(&fitted.residual, ORDER);
-    let response = response([&dry, &left], &whitening, Fading::UNKNOWN, rate_hz);
+    let response = response([&dry, &left], &whitening, UNKNOWN_T60_S, rate_hz);
     let wet = reflected(&dry, &response);
     let without = |sound: &[f64]| -> Vec<f64> { sound.iter().zip(&wet).map(|(x, wet)| x - wet).collect() };
     let (dry, whitening) = (without(samples), Whitening::of_residual(&without(&left), ORDER));

@@ -9,8 +9,8 @@
 //!                                                            └──── completion ◄───┘
 //! ```
 //!
-//! With positions or several strikers `places` stands where `start` does. In a room (`in_room`) the
-//! same steps go on in turn with the room's response (`reflections`). [`estimate()`] needs no
+//! With positions or several strikers `places` replaces `start`. In a room, `in_room` repeats these
+//! steps in turn with the estimate of the room's response (`reflections`). [`estimate()`] needs no
 //! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
 //! one fits many strikes.
 

@@ -33,42 +33,34 @@ const ENDING: f64 = 1e-4;
 const NOISE_SHARE: f64 = 0.1;
 /// Length of a frame of the noise in samples.
 const NOISE_FRAME: usize = 1024;
-/// Decay and level that are assumed of a room's response.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fading {
-    /// T60 in seconds.
-    pub(crate) t60_s: f64,
-    /// Energy of the response; that of the direct sound is 1.
-    pub(crate) level: f64,
+/// T60 in seconds that is assumed of a room of which nothing is known.
+pub(crate) const UNKNOWN_T60_S: f64 = 0.5;
+/// T60 in seconds that is assumed where the T60 is to be measured: the response may fade as it
+/// likes within [`LONGEST_S`].
+pub(crate) const FLAT_T60_S: f64 = 5.0;
+/// Energy that is assumed of a response; that of the direct sound is 1.
+const LEVEL: f64 = 0.1;
+/// Longest response in seconds.
+const LONGEST_S: f64 = 1.0;
+
+/// Standard deviations `√v[n]` that are assumed of a response at a rate in Hz.
+fn spreads(t60_s: f64, rate_hz: f64) -> Vec<f64> {
+    let fall = 1000f64.ln() / (t60_s * rate_hz);
+    let count = ((LENGTH_T60 * t60_s).min(LONGEST_S) * rate_hz) as usize;
+    let mut spreads: Vec<f64> = (0..count.max(2)).map(|n| (-fall * n as f64).exp()).collect();
+    // Sample 0 is the direct sound.
+    spreads[0] = 0.0;
+    let energy: f64 = spreads.iter().map(|x| x * x).sum();
+    let scale = (LEVEL / energy).sqrt();
+    spreads.iter_mut().for_each(|x| *x *= scale);
+    spreads
 }
 
-impl Fading {
-    /// Fading that is assumed of a room of which nothing is known.
-    pub(crate) const UNKNOWN: Self = Self { t60_s: 0.5, level: 0.1 };
-
-    /// Fading that is assumed where it is to be measured: hardly any within the first second.
-    pub(crate) const FLAT: Self = Self { t60_s: 5.0, level: 0.1 };
-    /// Longest response in seconds.
-    const LONGEST_S: f64 = 1.0;
-
-    /// Standard deviations `√v[n]` of a response at a rate in Hz.
-    fn spreads(&self, rate_hz: f64) -> Vec<f64> {
-        let fall = 1000f64.ln() / (self.t60_s * rate_hz);
-        let count = ((LENGTH_T60 * self.t60_s).min(Self::LONGEST_S) * rate_hz) as usize;
-        let mut spreads: Vec<f64> = (0..count.max(2)).map(|n| (-fall * n as f64).exp()).collect();
-        // What comes with the direct sound is the direct sound's.
-        spreads[0] = 0.0;
-        let energy: f64 = spreads.iter().map(|x| x * x).sum();
-        let scale = (self.level / energy).sqrt();
-        spreads.iter_mut().for_each(|x| *x *= scale);
-        spreads
-    }
-}
-
-/// Most likely response of the room of a dry sound, of which the recording has `left` more.
-pub(crate) fn response([dry, left]: [&[f64]; 2], whitening: &Whitening, fading: Fading, rate_hz: f64) -> Vec<f64> {
+/// Most likely response of the room to a dry sound, if `left` is the rest of the recording and a
+/// T60 in seconds is assumed.
+pub(crate) fn response([dry, left]: [&[f64]; 2], whitening: &Whitening, t60_s: f64, rate_hz: f64) -> Vec<f64> {
     let [dry, left] = [dry, left].map(|sound| whitening.filtered(sound, 0..sound.len()));
-    let spreads = fading.spreads(rate_hz);
+    let spreads = spreads(t60_s, rate_hz);
     let count = spreads.len();
     let whole = Convolution::new(dry.len() + count);
     let (dry_spectrum, left_spectrum) = (whole.spectrum(&dry), whole.spectrum(&left));
@@ -97,12 +89,12 @@ pub(crate) fn reflected(dry: &[f64], response: &[f64]) -> Vec<f64> {
     both.convolved(&both.spectrum(dry), &both.spectrum(response), dry.len())
 }
 
-/// Room with a response that was found with [`Fading::FLAT`], as the modes of a dry sound tell it.
+/// Room with a response that was found with [`FLAT_T60_S`]. `modes` are the dry sound's, with their
+/// energies.
 ///
 /// In windows of [`WINDOW_S`] the response's power at the modes' frequencies falls by `e^{-2rt}`,
-/// and its sum is the response's energy. The modes' own gains hide one number of it each: what that
-/// leaves behind lies evenly over all windows, as what is assumed of the response does, and far
-/// below the first ones.
+/// and its sum is the response's energy. `None` if no octave fades as a room does. Measured in the
+/// sets *room* by `cargo bench -p fit --bench strikes`.
 pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) -> Option<Room> {
     let window = (WINDOW_S * rate_hz) as usize;
     let mut octaves: Vec<Octave> = Vec::new();
@@ -129,7 +121,7 @@ pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) ->
             let is_room = (T60_S.0..=T60_S.1).contains(&t60_s) && gain_db < LOUDEST_DB;
             is_room.then_some(RoomBand { edges_hz, gain_db, t60_s })
         };
-        // Slower than the room fades what errors of the modes' decays leave.
+        // Errors of the modes' decays add a second part, which fades slower than the room.
         band(2).or_else(|| band(1))
     });
     of_bands(bands.collect())
@@ -144,13 +136,12 @@ struct Octave {
     powers: Vec<f64>,
 }
 
-/// Level of a room in dB from which it is none: louder than the direct sound is what a fit makes of
-/// a few windows.
+/// Least level in dB, over the direct sound, that no room has: fits to few windows can give it.
 const LOUDEST_DB: f64 = 0.0;
-/// Length in seconds of the windows in which a response's power is looked at.
+/// Length in seconds of the windows in which a response's power is computed.
 const WINDOW_S: f64 = 0.03;
-/// Time in seconds from which its power is looked at: the modes' gains and poles have taken up most
-/// of what comes before.
+/// Time in seconds from which the response's power counts. Earlier, gains and poles of the modes
+/// take up most of the room's sound.
 const FROM_S: f64 = 0.06;
 
 /// Power of the noise: that of the quieter frames.
@@ -196,13 +187,13 @@ mod tests {
     fn response_of_a_room_is_told_by_noise_through_it() {
         let mut random = SplitMix64(7);
         let rate_hz = 8_000.0;
-        let fading = Fading { t60_s: 0.2, level: 0.1 };
-        let truth: Vec<f64> = fading.spreads(rate_hz).iter().map(|spread| spread * random.normal()).collect();
+        let t60_s = 0.2;
+        let truth: Vec<f64> = spreads(t60_s, rate_hz).iter().map(|spread| spread * random.normal()).collect();
         // Silence behind the sound tells the noise.
         let mut dry: Vec<f64> = (0..40_000).map(|_| random.normal()).collect();
         dry.resize(60_000, 0.0);
         let left: Vec<f64> = reflected(&dry, &truth).iter().map(|x| x + 1e-3 * random.normal()).collect();
-        let found = response([&dry, &left], &Whitening::none(), fading, rate_hz);
+        let found = response([&dry, &left], &Whitening::none(), t60_s, rate_hz);
         let error: f64 = found.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum();
         let energy: f64 = truth.iter().map(|x| x * x).sum();
         assert!(error < 1e-3 * energy, "{:.1} dB", 10.0 * (error / energy).log10());

@@ -15,18 +15,23 @@ const HINGED_CORNER: f64 = 95.0 / 180.0 * PI;
 const CORNER_SHARE: f64 = 0.02;
 /// Elements at other corners of thin plates, as a share of the largest ones.
 const THIN_SHARE: f64 = 1e-3;
-/// Part of the energy at a corner of two hinged edges that the smallest elements may miss. Within a
-/// thickness of it slopes vary as a power of the distance, and an element misses twice that power
-/// of its length: elements of half a thickness left an L of h/a 0.01 0.9 % off.
+/// Largest share of the energy at a corner of two hinged edges that the smallest elements may miss.
+///
+/// Within a thickness of the corner slopes vary as a power p of the distance, and elements of a
+/// length l, in thicknesses, miss the share `l^{2p}`. With elements of half a thickness an L of h/a
+/// 0.01 was 0.9 % off.
 const HINGED_PART: f64 = 1e-3;
-/// Smallest elements at corners of two hinged edges, as a share of the thickness: at blunt ones,
-/// where the power is small, no element could miss as little.
+/// Smallest elements at corners of two hinged edges, as a share of the thickness. At blunt corners
+/// the power is small, and elements that miss as little would be smaller than numbers resolve.
 const HINGED_LEAST: f64 = 1e-5;
-/// Sine of the turn at a corner up to which two hinged edges hold what one edge does.
+/// Largest sine of a corner's angle at which its two hinged edges act as one straight edge.
 const SMOOTH: f64 = 0.1;
-/// Errors that a corner of two hinged edges makes whose energy is missed, in thicknesses by the
-/// root of the area: a corner out of the body, where octagons and polygons of 16 corners have 0.05
-/// and 0.26, and one into it, as measured on an L of h/a 0.01.
+/// Relative errors of frequencies from a corner of two hinged edges whose energy is missed whole,
+/// in units of the thickness over the root of the area.
+///
+/// The first is that of a corner out of the body, where 0.05 was measured on octagons and 0.26 on
+/// polygons of 16 corners. The second is that of a corner into the body, measured on an L of h/a
+/// 0.01.
 const HINGED_ERRORS: [f64; 2] = [0.3, 2.0];
 /// Angle in the body above which a corner counts as one into it, however blunt: errors fall slowly
 /// with the length of the edges there.
@@ -37,8 +42,8 @@ const STRAIGHT: f64 = 181.0 / 180.0 * PI;
 const FALLS: i32 = 4;
 /// Lengths of the edges of the first two meshes, in wavelengths of the highest mode: of free plates
 /// with rows along their edges, of other bodies, and of plates that are held all around, whose
-/// frequencies err more. A coarser first mesh, 0.8, would make a third one needed for plates of
-/// 3:2 and 4:1.
+/// frequencies err more. A coarser first mesh, 0.8, would make a third one needed for a free plate
+/// of 3:2.
 const FIRST_SIZES: [[f64; 2]; 3] = [[0.66, 0.46], [0.7, 0.49], [0.63, 0.4]];
 /// Lengths of those edges for free plates at whose corners stresses have no bound: the estimate of
 /// an L has all of the change between two meshes, and meshes of nearly one size change too little.

@@ -77,3 +77,12 @@ fn estimates_of_a_hinged_plate_with_a_corner_into_it_hold_against_a_finer_mesh()
         assert!(off <= mode.error && mode.error <= 0.001, "{off} at {hz} Hz, estimate {}", mode.error);
     }
 }
+
+#[test]
+fn free_plate_of_three_to_two_needs_two_meshes_for_sixty_four_modes() {
+    let text = plate("polygon_m = [[0, 0], [0.3, 0], [0.3, 0.2], [0, 0.2]]", 0.001, "free");
+    let solved = solve_text(&text, None, Wanted::Lowest(64), 0.001).unwrap();
+    let unknowns: Vec<usize> = solved.meshes.iter().map(|mesh| mesh.unknowns).collect();
+    println!("{unknowns:?} unknowns");
+    assert_eq!(unknowns.len(), 2, "{unknowns:?} unknowns");
+}
