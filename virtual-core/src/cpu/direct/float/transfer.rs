@@ -58,7 +58,7 @@ impl Direct {
             }
             return Some(());
         }
-        // Reading proves that all words are in memory. A store that is refused is so at the first one.
+        // Reading proves that all words are in memory, so that only the first store can be refused.
         let mut words = [0; SINGLES];
         for (word, address) in words.iter_mut().zip(addresses.clone()) {
             *word = self.load(address, 4)?;
