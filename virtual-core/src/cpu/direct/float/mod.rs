@@ -1,9 +1,9 @@
 //! FPU instructions (DDI 0403 A7.7), single precision.
 //!
 //! The host's own arithmetic computes most results: it is IEEE 754 too, and rounds to nearest.
-//! Where bits or exception flags could differ, the arithmetic of `rsemu` computes them: NaN and infinite
-//! operands, results next to the subnormals or beyond all numbers, divisions by 0, and the modes of
-//! FPSCR other than those of reset.
+//! The arithmetic of `rsemu` computes those whose bits or exception flags could differ: NaN and
+//! infinite operands, results next to the subnormals or beyond all numbers, divisions by 0, and the
+//! modes of FPSCR other than those of reset.
 //!
 //! | part | instructions |
 //! | --- | --- |
