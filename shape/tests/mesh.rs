@@ -239,6 +239,26 @@ fn a_disc_with_a_concentric_hole_has_a_mesh_that_a_quarter_turn_keeps() {
 }
 
 #[test]
+fn a_disc_has_at_most_1_7_times_the_triangles_of_a_square_of_its_area() {
+    let disc = drawn(r#"<circle cx="0" cy="0" r="100"/>"#);
+    for size_m in [0.0242, 0.0154, 0.007] {
+        let count = checked(&disc, &Sizing::even(size_m)).triangles.len();
+        let of_square = 4.0 * PI * 0.01 / (size_m * size_m);
+        println!("{count} triangles, {of_square:.0} in a square");
+        assert!(count as f64 <= 1.7 * of_square, "{count} triangles, {of_square} in a square");
+    }
+}
+
+#[test]
+fn rings_around_a_small_hole_grow_with_their_distance_from_it() {
+    let ring = drawn(r#"<circle cx="0" cy="0" r="75"/><circle cx="0" cy="0" r="2"/>"#);
+    let disc = drawn(r#"<circle cx="0" cy="0" r="75"/>"#);
+    let [with_hole, without] = [ring, disc].map(|outline| checked(&outline, &Sizing::even(0.0115)).triangles.len());
+    println!("{with_hole} triangles with the hole, {without} without");
+    assert!(with_hole <= 2 * without, "{with_hole} triangles with the hole, {without} without");
+}
+
+#[test]
 fn curved_sides_are_followed_around_holes_and_in_layers() {
     let shapes = [
         r#"<circle cx="90" cy="90" r="80"/><circle cx="70" cy="60" r="20"/>"#,

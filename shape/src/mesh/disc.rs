@@ -1,16 +1,16 @@
 //! Mesh over a circle, with or without a concentric hole, that a quarter turn maps onto itself.
 
+use std::f64::consts::TAU;
+
 use super::boundary::{angle, curve_parameters};
 use super::free::misfits;
+use super::polar::{Ring, Span};
 use super::{BoundaryEdge, Mesh, Sizing};
 use crate::outline::side::{between, distance, mix};
 use crate::outline::{FlatSide, Outline, Point};
 
 /// Share of the radius by which points may be off the circle.
 const ROUND: f64 = 2e-3;
-
-/// Radius of the corners of the block of square cells in the middle, in radii.
-const BLOCK: f64 = 0.55;
 
 /// Circle of an outline.
 struct Circle<'a> {
@@ -51,7 +51,7 @@ impl<'a> Circle<'a> {
         let sum = sides.iter().fold([0.0; 2], |sum, side| [sum[0] + side.from[0], sum[1] + side.from[1]]);
         let centre = sum.map(|x| x / count as f64);
         let radius = distance(centre, sides[0].from);
-        let arc = 2.0 * std::f64::consts::PI / count as f64;
+        let arc = TAU / count as f64;
         let fits = |side: &FlatSide| {
             let round = (0..8).all(|k| {
                 let far = distance(centre, side.point(f64::from(k) / 8.0));
@@ -96,129 +96,90 @@ impl<'a> Circle<'a> {
     }
 }
 
-/// Makes the mesh over a disc: a block of square cells, and rows of cells around it.
+/// Makes the mesh over a disc: rings of triangles around its centre.
 fn disc(outer: &Circle<'_>, sizing: &Sizing) -> Option<Mesh> {
     let layer = Some(outer.layer(sizing)).filter(|layer| 4.0 * layer <= 2.0 * outer.radius).unwrap_or(0.0);
     let nodes = outer.nodes(outer.edges_per_side(sizing));
-    let quarter = nodes.len() / 4;
-    let block = BLOCK.min(0.7 * (1.0 - layer / outer.radius));
-    // Half straight, half round.
-    let rim: Vec<Point> = (0..nodes.len())
-        .map(|k| {
-            let (q, share) = (k / quarter, (k % quarter) as f64 / quarter as f64);
-            let chord = mix(nodes[q * quarter].at, nodes[(q + 1) % 4 * quarter].at, share);
-            mix(outer.centre, mix(chord, nodes[k].at, 0.5), block)
-        })
-        .collect();
     let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new(), edges: Vec::new() };
-    let inside = push_block(&mut mesh, &rim, quarter);
-    let least = rim.iter().map(|p| distance(outer.centre, *p)).fold(f64::INFINITY, f64::min);
-    let count = ((outer.radius - layer - least) / sizing.size_m).ceil().max(1.0) as usize;
-    let mut rows = vec![inside];
-    let mut push_row = |mesh: &mut Mesh, at: &dyn Fn(usize) -> Point| {
-        let first = mesh.points.len();
-        mesh.points.extend((0..nodes.len()).map(at));
-        rows.push((first..mesh.points.len()).collect());
+    let rim = mesh.push_ring(nodes.iter().map(|node| node.at), 0.0);
+    let inside = mesh.push_layer(rim, outer.centre, layer / outer.radius);
+    let span = Span {
+        centre: outer.centre,
+        angle: direction(between(outer.centre, nodes[0].at)),
+        radii: [0.0, outer.radius - layer],
+        inner_step: None,
+        size_m: longest(sizing, outer.radius, nodes.len()),
     };
-    let last = |k: usize| mix(nodes[k].at, outer.centre, layer / outer.radius);
-    for row in 1..count {
-        push_row(&mut mesh, &|k| mix(rim[k], last(k), row as f64 / count as f64));
-    }
-    if layer > 0.0 {
-        push_row(&mut mesh, &last);
-    }
-    push_row(&mut mesh, &|k| nodes[k].at);
-    push_rows(&mut mesh, &rows);
-    outer.push_edges(&mut mesh, &nodes, &rows[rows.len() - 1]);
+    span.fill(&mut mesh, inside, None);
+    outer.push_edges(&mut mesh, &nodes, &(0..nodes.len()).collect::<Vec<usize>>());
     Some(mesh)
 }
 
-/// Adds the block of square cells inside a rim; gives the names of the rim's points.
-fn push_block(mesh: &mut Mesh, rim: &[Point], quarter: usize) -> Vec<usize> {
-    let n = quarter;
-    let at = |k: usize| rim[k % rim.len()];
-    let name = |i: usize, j: usize| j * (n + 1) + i;
-    for j in 0..=n {
-        for i in 0..=n {
-            let (x, y) = (i as f64 / n as f64, j as f64 / n as f64);
-            let (low, high) = (at(i), at(3 * n - i));
-            let (left, right) = (at(4 * n - j), at(n + j));
-            let lines = [mix(low, high, y), mix(left, right, x)];
-            let corners = mix(mix(at(0), at(n), x), mix(at(3 * n), at(2 * n), x), y);
-            mesh.points.push([0, 1].map(|axis| lines[0][axis] + lines[1][axis] - corners[axis]));
-        }
-    }
-    for j in 0..n {
-        for i in 0..n {
-            mesh.push_cell([name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)]);
-        }
-    }
-    let sides = [(0..n).map(|i| name(i, 0)).collect::<Vec<_>>(), (0..n).map(|j| name(n, j)).collect()];
-    let back = [(0..n).map(|i| name(n - i, n)).collect::<Vec<_>>(), (0..n).map(|j| name(0, n - j)).collect()];
-    sides.into_iter().chain(back).flatten().collect()
-}
-
-/// Adds the cells between closed rows of points, from the inside to the outside.
-fn push_rows(mesh: &mut Mesh, rows: &[Vec<usize>]) {
-    for pair in rows.windows(2) {
-        let count = pair[0].len();
-        for k in 0..count {
-            let next = (k + 1) % count;
-            mesh.push_cell([pair[0][k], pair[1][k], pair[1][next], pair[0][next]]);
-        }
-    }
-}
-
-/// Makes the mesh over a circle with a hole: rows of cells that are about square.
+/// Makes the mesh over a circle with a hole: rings of triangles, that are smaller near a small hole.
 fn ring(outer: &Circle<'_>, hole: &Circle<'_>, sizing: &Sizing) -> Option<Mesh> {
     let width = outer.radius - hole.radius;
-    if distance(outer.centre, hole.centre) > 1e-5 * outer.radius || outer.sides.len() != hole.sides.len() {
+    if distance(outer.centre, hole.centre) > 1e-5 * outer.radius {
         return None;
     }
-    let per_side = outer.edges_per_side(sizing).max(hole.edges_per_side(sizing));
-    let nodes = outer.nodes(per_side);
-    let inner = hole.nodes(per_side);
-    let count = nodes.len();
+    let nodes = outer.nodes(outer.edges_per_side(sizing));
+    let inner = hole.nodes(hole.edges_per_side(sizing));
+    let way = between(outer.centre, nodes[0].at);
     // The hole runs clockwise: its nodes in the other direction, from that nearest to the first.
-    let shift = (0..count).min_by(|&a, &b| {
-        let far = |k: usize| {
-            let way = between(outer.centre, inner[k].at);
-            angle(between(outer.centre, nodes[0].at), way).abs()
-        };
-        far(a).total_cmp(&far(b))
-    })?;
-    let opposite = |k: usize| (shift + count - k) % count;
-    let ways = [between(outer.centre, nodes[0].at), between(outer.centre, inner[shift].at)];
-    if angle(ways[0], ways[1]).abs() > 1e-3 {
-        return None;
-    }
+    let turn = |k: usize| angle(way, between(outer.centre, inner[k].at));
+    let shift = (0..inner.len()).min_by(|&a, &b| turn(a).abs().total_cmp(&turn(b).abs()))?;
+    let names: Vec<usize> = (0..inner.len()).map(|k| (shift + inner.len() - k) % inner.len()).collect();
     let fits = |layer: f64| if 4.0 * layer <= width { layer } else { 0.0 };
     let [begin, end] = [fits(hole.layer(sizing)), fits(outer.layer(sizing))];
-    let [low, high] = [hole.radius + begin, outer.radius - end];
-    let even = (high / low).ln() * count as f64 / std::f64::consts::TAU;
-    // The outermost row is the widest one: not wider than the size.
-    let fine = (high / low).ln() / -(1.0 - (sizing.size_m / high).min(0.9)).ln();
-    let steps = even.max(fine).round().max(1.0) as usize;
-    let mut radii = vec![hole.radius];
-    radii.extend((usize::from(begin == 0.0)..=steps).map(|k| low * (high / low).powf(k as f64 / steps as f64)));
-    if end > 0.0 {
-        radii.push(outer.radius);
-    }
     let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new(), edges: Vec::new() };
-    let last = radii.len() - 1;
-    for (row, radius) in radii.iter().enumerate() {
-        let share = (radius - hole.radius) / width;
-        let point = |k: usize| match row {
-            0 => inner[opposite(k)].at,
-            row if row == last => nodes[k].at,
-            _ => mix(inner[opposite(k)].at, nodes[k].at, share),
-        };
-        mesh.points.extend((0..count).map(point));
-    }
-    let rows: Vec<Vec<usize>> = (0..=last).map(|row| (row * count..(row + 1) * count).collect()).collect();
-    push_rows(&mut mesh, &rows);
-    outer.push_edges(&mut mesh, &nodes, &rows[last]);
-    let names: Vec<usize> = (0..count).map(|k| opposite(k) % count).collect();
+    let rim = mesh.push_ring(nodes.iter().map(|node| node.at), 0.0);
+    let low = mesh.push_ring(names.iter().map(|k| inner[*k].at), turn(shift) * inner.len() as f64 / TAU);
+    let outside = mesh.push_layer(rim, outer.centre, end / outer.radius);
+    let inside = mesh.push_layer(low, outer.centre, -begin / hole.radius);
+    let span = Span {
+        centre: outer.centre,
+        angle: direction(way),
+        radii: [hole.radius + begin, outer.radius - end],
+        inner_step: Some(TAU * hole.radius / inner.len() as f64),
+        size_m: longest(sizing, outer.radius, nodes.len()),
+    };
+    span.fill(&mut mesh, outside, Some(inside));
+    outer.push_edges(&mut mesh, &nodes, &(0..nodes.len()).collect::<Vec<usize>>());
+    let names: Vec<usize> = names.iter().map(|k| low.first + k).collect();
     hole.push_edges(&mut mesh, &inner, &names);
     Some(mesh)
+}
+
+/// Gives the angle of a vector, radians.
+fn direction(way: Point) -> f64 {
+    way[1].atan2(way[0])
+}
+
+/// Gives the longest edge inside a circle: at most twice as long as those on it.
+fn longest(sizing: &Sizing, radius: f64, count: usize) -> f64 {
+    sizing.size_m.min(2.0 * TAU * radius / count as f64)
+}
+
+impl Mesh {
+    /// Adds the points of a ring.
+    fn push_ring(&mut self, points: impl Iterator<Item = Point>, begin: f64) -> Ring {
+        let first = self.points.len();
+        self.points.extend(points);
+        Ring { first, count: self.points.len() - first, begin }
+    }
+
+    /// Adds a layer beside a circle, inwards by a share of its radius or, if that is below zero,
+    /// outwards; gives the ring on its other side, the circle itself without a layer.
+    fn push_layer(&mut self, circle: Ring, centre: Point, share: f64) -> Ring {
+        if share == 0.0 {
+            return circle;
+        }
+        let points = self.points[circle.first..circle.first + circle.count].to_vec();
+        let ring = self.push_ring(points.into_iter().map(|point| mix(point, centre, share)), circle.begin);
+        if share > 0.0 {
+            self.join(circle, ring)
+        } else {
+            self.join(ring, circle)
+        }
+        ring
+    }
 }

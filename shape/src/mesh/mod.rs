@@ -6,6 +6,7 @@ mod disc;
 mod fill;
 mod free;
 mod measure;
+mod polar;
 mod rectangle;
 
 use crate::outline::{Outline, OutlineError, Point};

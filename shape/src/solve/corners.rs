@@ -41,10 +41,10 @@ const STRAIGHT: f64 = 181.0 / 180.0 * PI;
 /// would be the eighth.
 const FALLS: i32 = 4;
 /// Lengths of the edges of the first two meshes, in wavelengths of the highest mode: of free plates
-/// with rows along their edges, of other bodies, and of plates that are held all around, whose
-/// frequencies err more. A coarser first mesh, 0.8, would make a third one needed for a free plate
-/// of 3:2.
-const FIRST_SIZES: [[f64; 2]; 3] = [[0.66, 0.46], [0.7, 0.49], [0.63, 0.4]];
+/// with rows along their edges, of those without, of plates that are held all around, whose
+/// frequencies err more, and of other bodies. A coarser first mesh of the first ones, 0.8, or a
+/// coarser second mesh of the next ones, 0.49, would make a third one needed for a plate of 3:2.
+const FIRST_SIZES: [[f64; 2]; 4] = [[0.66, 0.46], [0.7, 0.455], [0.63, 0.4], [0.7, 0.49]];
 /// Lengths of those edges for free plates at whose corners stresses have no bound: the estimate of
 /// an L has all of the change between two meshes, and meshes of nearly one size change too little.
 const CORNERED_SIZES: [f64; 2] = [0.8, 0.5];
@@ -145,11 +145,12 @@ impl Body {
 
     /// Lengths of the edges of the first two meshes, in wavelengths of the highest mode.
     pub(super) fn first_sizes(&self) -> [f64; 2] {
-        let [rows, others, held] = FIRST_SIZES;
+        let [rows, thin, held, others] = FIRST_SIZES;
         match self.kind {
             Kind::Plate if self.is_held() => held,
             Kind::Plate if self.has_rows && self.falls().is_none() => CORNERED_SIZES,
             Kind::Plate if self.has_rows => rows,
+            Kind::Plate => thin,
             _ => others,
         }
     }
