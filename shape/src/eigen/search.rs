@@ -17,7 +17,7 @@ pub(super) const BLOCK: usize = 6;
 /// Residual that a found eigenpair may leave, relative to its θ; the error of θ is its square.
 const LEFT: f64 = 1e-9;
 
-/// First shift, relative to the scale of high eigenvalues.
+/// First shift without a guess, relative to the scale of high eigenvalues.
 const FIRST_SHIFT: f64 = 1e-8;
 
 /// Limit below which a value counts as zero, relative to the scale of high eigenvalues.
@@ -42,21 +42,16 @@ struct Count {
     counted: usize,
 }
 
-/// Finds the lowest `number` modes, and returns those up to `highest`.
-pub(super) fn lowest(
-    plan: &Plan<'_>,
-    number: usize,
-    highest: f64,
-    progress: &mut dyn FnMut(usize, usize),
-) -> Result<Modes, EigenError> {
+/// Finds the lowest `number` modes, and returns those up to `highest`; `guess` is one of the lowest
+/// value that is not zero.
+pub(super) fn lowest(plan: &Plan<'_>, number: usize, highest: f64, guess: Option<f64>) -> Result<Modes, EigenError> {
     if number == 0 {
         let limit = if highest.is_finite() { highest } else { f64::NEG_INFINITY };
         return Ok(Modes { count_limit: limit, ..Modes::default() });
     }
-    progress(0, number);
     let size = plan.problem().size;
     let mass = Mass::of(plan.problem());
-    let mut inverse = choose_shift(plan, &mass)?;
+    let mut inverse = choose_shift(plan, &mass, guess)?;
     let mut basis = Basis::new(plan.problem(), &mass, BLOCK.min(size))?;
     let most = size.min(8 * number + 50 * BLOCK);
     // Most searches end about here.
@@ -68,7 +63,6 @@ pub(super) fn lowest(
         }
         let ritz = basis.ritz()?;
         let found = ritz.found();
-        progress(found.min(number), number);
         if count.is_none()
             && let Some((below, limit)) = inverse.gap(&ritz, number, size)
         {
@@ -121,12 +115,12 @@ fn collect(
 }
 
 /// Chooses a shift below zero by about the lowest eigenvalue that is not zero.
-fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass) -> Result<Inverse<'a>, EigenError> {
+fn choose_shift<'a>(plan: &'a Plan<'_>, mass: &Mass, guess: Option<f64>) -> Result<Inverse<'a>, EigenError> {
     let scale = plan.problem().scale();
     if scale <= 0.0 {
         return Ok(Inverse { shift: -1.0, factor: None });
     }
-    let mut shift = -FIRST_SHIFT * scale;
+    let mut shift = -guess.unwrap_or(FIRST_SHIFT * scale);
     let mut factor = plan.cholesky(shift)?;
     for _ in 0..3 {
         let mut basis = Basis::new(plan.problem(), mass, 1)?;

@@ -174,7 +174,7 @@ impl Trial {
     fn frequencies_hz(&self, body: &Body) -> Result<Vec<f64>, SolveError> {
         let discrete = body.sheet(&self.mesh, ORDER)?;
         let wanted = eigen::Wanted::Lowest(discrete.rigid + self.count);
-        let found = eigen::modes(&discrete.problem, wanted, &mut |_, _| {})?;
+        let found = eigen::modes(&discrete.problem, wanted, None)?;
         let unit_hz = body.units.rad_per_s / TAU;
         Ok(found.values.iter().skip(discrete.rigid).map(|value| unit_hz * value.max(0.0).sqrt()).collect())
     }

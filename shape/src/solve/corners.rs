@@ -139,7 +139,7 @@ impl Body {
     }
 
     /// True if no edge is free.
-    fn is_held(&self) -> bool {
+    pub(super) fn is_held(&self) -> bool {
         self.supports.iter().all(|&support| support != Support::Free)
     }
 

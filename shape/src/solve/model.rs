@@ -90,6 +90,14 @@ impl Model {
         }
     }
 
+    /// Guess of the lowest ω² that is not 0, in the body's units; `None` if there is none.
+    pub(super) fn lowest(&self) -> Option<f64> {
+        match self {
+            Self::Flat { body, .. } => body.lowest(),
+            Self::Solid { .. } => None,
+        }
+    }
+
     /// Takes places and modes to metres, seconds and kilograms; the matrices keep the body's units.
     pub(super) fn measure(&self, matrices: &mut Matrices, found: &mut Modes) {
         let units = self.units();

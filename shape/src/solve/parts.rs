@@ -98,7 +98,7 @@ pub(super) fn find(
             (None, Wanted::Lowest(count)) => eigen::Wanted::Lowest(count + matrices.rigid()),
             (None, Wanted::Below(_)) => break,
         };
-        let mut found = eigen::modes(matrices.problem(), asked, &mut |_, _| {})?;
+        let mut found = eigen::modes(matrices.problem(), asked, model.lowest())?;
         model.measure(&mut matrices, &mut found);
         // No mode lies below the limit: two such numbers of waves end the search.
         above = if found.values.len() <= matrices.rigid() { above + 1 } else { 0 };

@@ -27,6 +27,12 @@ const ROW_SHARE: f64 = 0.2;
 /// Clamped edges hold the surfaces, too, as if they lay 0.013 thicknesses further inside.
 const CLAMPED_ERROR: f64 = 0.02;
 
+/// Wave number of the lowest mode times the longer extent: 3.7 of a free square, 4.7 of a free bar.
+const FREE: f64 = 4.2;
+/// Wave number of the lowest mode of a body that is held all around, by that of one half wave along
+/// each extent: π if it is hinged, 4.2 if it is clamped.
+const HELD: f64 = 3.5;
+
 impl Body {
     /// True if frequencies with a relative error want rows of elements along free edges.
     pub(super) fn wants_rows(&self, error: f64) -> bool {
@@ -59,6 +65,23 @@ impl Body {
             }
             // The lowest modes of a slender sheet bend: their waves are about this short.
             Kind::Sheet | Kind::Revolve | Kind::Solid => omega / shear.sqrt(),
+        }
+    }
+
+    /// Guess of the lowest ω² that is not 0, in the body's units; `None` of bodies whose depth says
+    /// nothing about their waves.
+    pub(super) fn lowest(&self) -> Option<f64> {
+        let [low, high] = self.outline.bounds().unwrap_or_default();
+        let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
+        let along = 1.0 / width.max(height);
+        let number = if self.is_held() { HELD * (1.0 / width).hypot(1.0 / height) } else { FREE * along };
+        match self.kind {
+            Kind::Membrane => Some(number.powi(2)),
+            Kind::Plate => {
+                let (youngs, _) = softest(&self.material);
+                Some(youngs * self.thickness.powi(2) / 12.0 * number.powi(4))
+            }
+            Kind::Sheet | Kind::Revolve | Kind::Solid => None,
         }
     }
 

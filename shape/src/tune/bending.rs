@@ -125,7 +125,7 @@ impl Mode {
 /// Lowest elastic modes of a bar.
 fn modes(discrete: &Discrete, unit_rad_per_s: f64, count: usize) -> Result<Vec<Mode>, TuneError> {
     let wanted = eigen::Wanted::Lowest(discrete.rigid + count);
-    let found = eigen::modes(&discrete.problem, wanted, &mut |_, _| {}).map_err(SolveError::Eigen)?;
+    let found = eigen::modes(&discrete.problem, wanted, None).map_err(SolveError::Eigen)?;
     let elastic = found.values.iter().zip(&found.vectors).skip(discrete.rigid);
     let hz = |value: f64| unit_rad_per_s * value.max(0.0).sqrt() / TAU;
     Ok(elastic.map(|(value, vector)| Mode::of(discrete, hz(*value), vector)).collect())
