@@ -239,13 +239,13 @@ fn a_disc_with_a_concentric_hole_has_a_mesh_that_a_quarter_turn_keeps() {
 }
 
 #[test]
-fn a_disc_has_at_most_1_7_times_the_triangles_of_a_square_of_its_area() {
+fn a_disc_has_at_most_2_1_times_the_triangles_of_a_square_of_its_area() {
     let disc = drawn(r#"<circle cx="0" cy="0" r="100"/>"#);
     for size_m in [0.0242, 0.0154, 0.007] {
         let count = checked(&disc, &Sizing::even(size_m)).triangles.len();
         let of_square = 4.0 * PI * 0.01 / (size_m * size_m);
         println!("{count} triangles, {of_square:.0} in a square");
-        assert!(count as f64 <= 1.7 * of_square, "{count} triangles, {of_square} in a square");
+        assert!(count as f64 <= 2.1 * of_square, "{count} triangles, {of_square} in a square");
     }
 }
 

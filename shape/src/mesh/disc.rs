@@ -1,10 +1,10 @@
-//! Mesh over a circle, with or without a concentric hole, that a quarter turn maps onto itself.
+//! Mesh over a circle, with or without a concentric hole, that parts of a turn map onto itself.
 
 use std::f64::consts::TAU;
 
 use super::boundary::{angle, curve_parameters};
 use super::free::misfits;
-use super::polar::{Ring, Span};
+use super::polar::{Ring, Span, TURNS};
 use super::{BoundaryEdge, Mesh, Sizing};
 use crate::outline::side::{between, distance, mix};
 use crate::outline::{FlatSide, Outline, Point};
@@ -69,11 +69,12 @@ impl<'a> Circle<'a> {
         sizing.layer_m.filter(|_| self.layered).unwrap_or(0.0)
     }
 
-    /// Gives the edges per side that size and turn need.
+    /// Gives the edges per side that size and turn need, for a multiple of [`TURNS`] around.
     fn edges_per_side(&self, sizing: &Sizing) -> usize {
         let layer = sizing.layer_m.filter(|_| self.layered);
         let edges = |side: &FlatSide| curve_parameters(side, sizing.size_m, layer, None).len() - 1;
-        self.sides.iter().map(edges).max().unwrap_or(1)
+        let least = self.sides.iter().map(edges).max().unwrap_or(1);
+        (least..).find(|each| (each * self.sides.len()).is_multiple_of(TURNS)).unwrap_or(least)
     }
 
     /// Places a count of nodes on each side.
@@ -115,7 +116,7 @@ fn disc(outer: &Circle<'_>, sizing: &Sizing) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// Makes the mesh over a circle with a hole: rings of triangles, that are smaller near a small hole.
+/// Makes the mesh over a circle with a hole: rings of triangles, smaller ones near a small hole.
 fn ring(outer: &Circle<'_>, hole: &Circle<'_>, sizing: &Sizing) -> Option<Mesh> {
     let width = outer.radius - hole.radius;
     if distance(outer.centre, hole.centre) > 1e-5 * outer.radius {

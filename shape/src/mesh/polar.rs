@@ -1,29 +1,33 @@
-//! Rings of triangles around a centre, which a quarter turn maps onto themselves.
+//! Rings of triangles around a centre, which a turn by one part of [`TURNS`] maps onto themselves.
 
 use std::f64::consts::TAU;
 
 use super::Mesh;
 use crate::outline::Point;
 
+/// Number of equal parts of each ring. Two modes with m waves round the axis have one frequency on
+/// such a mesh, unless 2 m is a multiple of this number.
+pub(super) const TURNS: usize = 24;
+
 /// Distance of neighbours on a ring, as a share of the longest edge; with `ROW` the diagonals
 /// between two rings stay below that edge wherever their points lie.
-const STEP: f64 = 0.68;
+const STEP: f64 = 0.75;
 
 /// Distance of two rings, as a share of the longest edge.
-const ROW: f64 = 0.6;
+const ROW: f64 = 0.64;
 
 /// Distance of a circle, whose own edges may be the longest ones, from the ring beside it, as a
 /// share of the longest edge.
 const RIM_ROW: f64 = 0.48;
 
 /// Growth of the distance of neighbours on a ring with the ring's distance from the inner circle:
-/// around a small hole each row of triangles is about 1.3 times as wide as the one before.
-const GROWTH: f64 = 0.3;
+/// around a small hole each row of triangles is about 1.4 times as wide as the one before.
+const GROWTH: f64 = 0.5;
 
 /// Number of samples along the radius.
 const SAMPLES: usize = 2048;
 
-/// Ring of points, a multiple of four, evenly around the centre and counter-clockwise.
+/// Ring of points, a multiple of [`TURNS`], evenly around the centre and counter-clockwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
     /// Name of the first point.
@@ -59,7 +63,8 @@ impl Span {
 
     /// Gives the number of points of a ring.
     fn count(&self, radius: f64) -> usize {
-        4 * (TAU * radius / (4.0 * self.step(radius)) - 1e-9).ceil().max(1.0) as usize
+        let parts = TAU * radius / (TURNS as f64 * self.step(radius));
+        TURNS * (parts - 1e-9).ceil().max(1.0) as usize
     }
 
     /// Gives the distance of two rings near a radius.
@@ -114,15 +119,15 @@ impl Span {
 }
 
 impl Mesh {
-    /// Adds the triangles between two rings, alike in each quarter.
+    /// Adds the triangles between two rings, alike in each part.
     pub(super) fn join(&mut self, outer: Ring, inner: Ring) {
         let name = |ring: Ring, k: usize| ring.first + k % ring.count;
         let angle = |ring: Ring, k: usize| (k as f64 + ring.begin) / ring.count as f64;
         let far = |k: usize| (angle(inner, k) - angle(outer, 0)).abs();
         let nearest = (0..2).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(0);
-        for quarter in 0..4 {
-            let begin = [quarter * outer.count / 4, quarter * inner.count / 4 + nearest];
-            let end = [begin[0] + outer.count / 4, begin[1] + inner.count / 4];
+        for part in 0..TURNS {
+            let begin = [part * outer.count / TURNS, part * inner.count / TURNS + nearest];
+            let end = [begin[0] + outer.count / TURNS, begin[1] + inner.count / TURNS];
             let [mut k, mut i] = begin;
             while k < end[0] || i < end[1] {
                 // The shorter diagonal: from the next point of one ring to this one of the other.
