@@ -31,7 +31,7 @@ fn sixty_four_modes_of_plates_take_a_second_of_one_core() {
 
 #[test]
 #[ignore = "measures time: cargo test --release -p shape --test bodies times -- --ignored --nocapture --test-threads 1"]
-fn sixty_four_modes_of_discs_take_at_most_2_2_times_as_long_as_those_of_squares() {
+fn sixty_four_modes_of_discs_take_at_most_2_5_times_as_long_as_those_of_squares() {
     for edge in ["free", "hinged", "clamped"] {
         for thickness_m in [0.001, 0.02] {
             let ratios = [0; 5].map(|_| {
@@ -42,7 +42,7 @@ fn sixty_four_modes_of_discs_take_at_most_2_2_times_as_long_as_those_of_squares(
             });
             let middle = median(ratios);
             println!("{middle:.2} times as long");
-            assert!(middle <= 2.2, "{middle:.2} times as long");
+            assert!(middle <= 2.5, "{middle:.2} times as long");
         }
     }
 }
