@@ -1,6 +1,7 @@
 //! Strikes in a room: the room's response, and the thing in what is left without it, in turn.
 //!
-//! The first strikes are the rises in the ear's bands: a room's sound only fades, and so adds none.
+//! The first strikes are taken from rises of the level in the ear's bands. A room's sound only
+//! fades, so it adds no rises.
 //! Modes and contacts are fitted to the sound as if it were dry. The response follows from the
 //! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and modes
 //! and contacts are fitted again.

@@ -9,8 +9,9 @@
 //!                                                            └──── completion ◄───┘
 //! ```
 //!
-//! With positions or several strikers `places` replaces `start`. In a room, `in_room` repeats these
-//! steps in turn with the estimate of the room's response (`reflections`). [`estimate()`] needs no
+//! Recordings of several positions or strikers begin with `places` instead of `start`. For a
+//! recording in a room, `in_room` alternates between these steps and an estimate of the room's
+//! response (`reflections`). [`estimate()`] needs no
 //! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
 //! one fits many strikes.
 

@@ -89,8 +89,8 @@ pub(crate) fn reflected(dry: &[f64], response: &[f64]) -> Vec<f64> {
     both.convolved(&both.spectrum(dry), &both.spectrum(response), dry.len())
 }
 
-/// Room with a response that was found with [`FLAT_T60_S`]. `modes` are the dry sound's, with their
-/// energies.
+/// Measures a room by its response, as it was estimated with [`FLAT_T60_S`]. `modes` are those of
+/// the dry sound, each with its energy.
 ///
 /// In windows of [`WINDOW_S`] the response's power at the modes' frequencies falls by `e^{-2rt}`,
 /// and its sum is the response's energy. `None` if no octave fades as a room does. Measured in the

@@ -329,7 +329,7 @@ fn strikes_on_a_mug_are_found_together_from_sound_alone() {
 
 /// `cargo test -p fit --test sounds hammer -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes more than a minute; the mug's strikes are fitted always"]
+#[ignore = "more than a minute: cargo test -p fit --test sounds contact_times -- --ignored --nocapture"]
 fn three_quarters_of_all_contact_times_are_right_together() {
     let near = near_measured_widths("hammer_ceramic.wav", 8) + near_measured_widths("hammer_wood.wav", 10);
     assert!(4 * near >= 3 * 18, "{near} of 18");

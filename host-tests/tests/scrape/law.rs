@@ -56,7 +56,7 @@ fn third_octaves_are_those_of_the_law_within_0_3_db() {
 }
 
 #[test]
-#[ignore = "takes a minute: all surfaces at all speeds"]
+#[ignore = "a minute: cargo test -p host-tests --test scrape all_surfaces -- --ignored --nocapture"]
 fn third_octaves_of_all_surfaces_are_those_of_the_law_within_0_3_db() {
     let pads = ["mug", "glass", "plate", "bowl", "glockenspiel", "drum", "marimba", "woodblock", "claves", "pan"];
     compare(&pads, &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0]);

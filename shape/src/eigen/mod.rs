@@ -101,8 +101,13 @@ pub enum EigenError {
 
 /// Finds modes of a problem, the lowest ones first, and verifies by inertia that none is missing.
 ///
-/// `lowest` is a guess, if there is one, of the lowest λ that is not about 0, (rad/s)². One from a
-/// hundredth of it to four times as much saves a factor and a dozen solves.
+/// `lowest` is an estimate, if there is one, of the lowest λ that is not about 0, (rad/s)². Between
+/// a hundredth of that λ and four times it, the estimate saves a factor and a dozen solves; any
+/// other leads to the same modes.
+///
+/// # Errors
+/// An [`EigenError`] for too few unknowns, unsound matrices, modes that are not found, or too
+/// little memory.
 pub fn modes(problem: &Problem, wanted: Wanted, lowest: Option<f64>) -> Result<Modes, EigenError> {
     problem.check()?;
     if let Wanted::Lowest(number) = wanted

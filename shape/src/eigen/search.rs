@@ -42,8 +42,9 @@ struct Count {
     counted: usize,
 }
 
-/// Finds the lowest `number` modes, and returns those up to `highest`; `guess` is one of the lowest
-/// value that is not zero.
+/// Finds the lowest `number` modes and returns those up to `highest`.
+///
+/// `guess` is an estimate of the lowest value above zero.
 pub(super) fn lowest(plan: &Plan<'_>, number: usize, highest: f64, guess: Option<f64>) -> Result<Modes, EigenError> {
     if number == 0 {
         let limit = if highest.is_finite() { highest } else { f64::NEG_INFINITY };

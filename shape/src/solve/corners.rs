@@ -15,11 +15,11 @@ const HINGED_CORNER: f64 = 95.0 / 180.0 * PI;
 const CORNER_SHARE: f64 = 0.02;
 /// Elements at other corners of thin plates, as a share of the largest ones.
 const THIN_SHARE: f64 = 1e-3;
-/// Largest share of the energy at a corner of two hinged edges that the smallest elements may miss.
+/// Largest part of the energy near a corner of two hinged edges that the mesh may leave out.
 ///
-/// Within a thickness of the corner slopes vary as a power p of the distance, and elements of a
-/// length l, in thicknesses, miss the share `l^{2p}`. With elements of half a thickness an L of h/a
-/// 0.01 was 0.9 % off.
+/// Near the corner, slopes are proportional to a power p of the distance. Elements of a length l,
+/// in thicknesses, leave out the part `l^{2p}` of the energy. Elements half a thickness long made
+/// the frequencies of an L of h/a 0.01 wrong by 0.9 %.
 const HINGED_PART: f64 = 1e-3;
 /// Smallest elements at corners of two hinged edges, as a share of the thickness. At blunt corners
 /// the power is small, and elements that miss as little would be smaller than numbers resolve.

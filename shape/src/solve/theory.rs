@@ -27,10 +27,12 @@ const ROW_SHARE: f64 = 0.2;
 /// Clamped edges hold the surfaces, too, as if they lay 0.013 thicknesses further inside.
 const CLAMPED_ERROR: f64 = 0.02;
 
-/// Wave number of the lowest mode times the longer extent: 3.7 of a free square, 4.7 of a free bar.
+/// Guess of the lowest mode's wave number times the longer extent, for bodies with a free edge. It
+/// is 3.7 for a free square and 4.7 for a free bar.
 const FREE: f64 = 4.2;
-/// Wave number of the lowest mode of a body that is held all around, by that of one half wave along
-/// each extent: π if it is hinged, 4.2 if it is clamped.
+/// Guess of the lowest mode's wave number for bodies without a free edge, divided by
+/// √(1/a² + 1/b²), where a and b are the extents. It is π for hinged rectangles and 4.2 for clamped
+/// squares.
 const HELD: f64 = 3.5;
 
 impl Body {

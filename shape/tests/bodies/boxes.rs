@@ -58,7 +58,7 @@ fn products_of_legendre_polynomials_converge() {
 }
 
 #[test]
-#[ignore = "a minute: three times the functions"]
+#[ignore = "a minute: cargo test --release -p shape --test bodies products -- --ignored --nocapture"]
 fn products_of_legendre_polynomials_stand_to_a_hundred_thousandth() {
     let [one, more] = [Functions { degrees: [14, 14, 6], layer: 6 }, Functions { degrees: [16, 16, 7], layer: 8 }];
     for thickness in [0.01, 0.03, 0.05, 0.1] {

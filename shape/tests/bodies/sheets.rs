@@ -77,7 +77,7 @@ fn wide_bars_have_the_frequencies_of_elasticity_in_space() {
 }
 
 #[test]
-#[ignore = "a minute: bars of all widths and materials"]
+#[ignore = "a minute: cargo test --release -p shape --test bodies sheets -- --ignored --nocapture"]
 fn bars_of_any_width_have_the_frequencies_of_elasticity_in_space() {
     for material in MATERIALS {
         [0.02, 0.006].into_iter().for_each(|height| assert_bars(material, height, &[0.002, 0.02, 0.045, 0.07]));
@@ -85,7 +85,7 @@ fn bars_of_any_width_have_the_frequencies_of_elasticity_in_space() {
 }
 
 #[test]
-#[ignore = "half a minute: sheets as wide as long, and soft ones"]
+#[ignore = "half a minute: cargo test --release -p shape --test bodies sheets -- --ignored --nocapture"]
 fn sheets_that_bend_across_have_the_frequencies_of_elasticity_in_space() {
     for (size_m, poisson) in [([0.23, 0.02, 0.07], 0.45), ([0.23, 0.006, 0.2], 0.33), ([0.23, 0.1, 0.2], 0.4)] {
         let block = block(size_m, (2e9, poisson, 1200.0));
@@ -102,7 +102,7 @@ fn clamped_sheets_have_the_frequencies_of_elasticity_in_space() {
 }
 
 #[test]
-#[ignore = "half a minute: clamped sheets of all widths"]
+#[ignore = "half a minute: cargo test --release -p shape --test bodies sheets -- --ignored --nocapture"]
 fn clamped_sheets_of_any_width_have_the_frequencies_of_elasticity_in_space() {
     assert_clamped(&[0.03, 0.3, 0.8]);
 }

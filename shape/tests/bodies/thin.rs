@@ -48,7 +48,6 @@ fn thin_clamped_discs_and_rings_have_the_frequencies_of_bessel_functions() {
 }
 
 #[test]
-#[ignore = "ten seconds: 32 modes"]
 fn thin_clamped_discs_and_rings_have_32_frequencies_of_bessel_functions() {
     assert_rounds(32, 0.001);
 }
@@ -70,7 +69,7 @@ fn thin_wooden_rectangles_have_the_frequencies_of_closed_form_and_ritz() {
 }
 
 #[test]
-#[ignore = "fifteen seconds: 32 modes"]
+#[ignore = "fifteen seconds: cargo test -p shape --test bodies thin -- --ignored --nocapture"]
 fn thin_wooden_rectangles_have_32_frequencies_of_closed_form_and_ritz() {
     assert_wood(32, 0.001);
 }
