@@ -5,7 +5,7 @@ use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::dry::dry;
 use super::error::StrikesError;
-use super::free::{Guard, free_modes};
+use super::free::{FreeModes, Guard, MORE_MODES, free_modes};
 use super::heard::{log_deviation, with_heard_peaks};
 use super::in_room::{InRoom, in_room};
 use super::layout::Layout;
@@ -53,15 +53,22 @@ pub(crate) fn fit(
     }
     let onsets = rises(samples, rate_hz);
     let rising = onsets.len();
-    let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
-    let free = free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
-        .ok_or(StrikesError::TooFew { found: onsets.len() })?;
+    let modes = |most: usize| {
+        let few = Settings { most_modes: settings.most_modes.min(most), ..settings };
+        free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
+    };
+    let mut free = modes(FIRST_MODES).ok_or(StrikesError::TooFew { found: onsets.len() })?;
+    let is_coloured = |free: &FreeModes| free.variance > COLOURED * free.white_variance;
     // The fast strikes of a roll are no echoes.
     let is_roll = StrikesError::refuse_too_many(rising, seconds).is_err();
-    let may_have_room = layout == Layout::default() && !is_roll && free.variance > COLOURED * free.white_variance;
-    let wet = may_have_room.then(|| {
+    let is_one_place = layout == Layout::default() && !is_roll;
+    if is_one_place && is_coloured(&free) {
+        // Modes that are missing colour the residual as a room does.
+        free = modes(MORE_MODES).unwrap_or(free);
+    }
+    let wet = (is_one_place && is_coloured(&free)).then(|| {
         let usable = usable(samples, &onsets, rate_hz);
-        in_room(samples, rate_hz, settings, (&onsets, &usable), &|share| told(0.85 * share))
+        in_room(samples, rate_hz, settings, (&onsets, &usable, &free), &|share| told(0.85 * share))
     });
     let InRoom { mut fitted, whitening, dry: sound, room } = match wet.flatten() {
         Some(wet) => wet,
@@ -78,7 +85,9 @@ pub(crate) fn fit(
     told(0.9);
     fitted = at_best_time(fitted, samples, &whitening);
     told(0.95);
-    fitted = with_acceleration(fitted, samples, &whitening);
+    if room.is_none() {
+        fitted = with_acceleration(fitted, samples, &whitening);
+    }
     if fitted.model.contact_times_are_held {
         fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
     }
@@ -95,6 +104,8 @@ pub(crate) fn fit(
 }
 
 /// The fit with acceleration sound, if that explains more than its number costs.
+///
+/// In a room the first reflections look like acceleration sound, and a common time with it.
 fn with_acceleration(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let mut model = fitted.model.clone();
     model.acceleration = 1e-9 * model.gains.iter().flatten().map(|gain| gain.norm()).fold(f64::MIN_POSITIVE, f64::max);

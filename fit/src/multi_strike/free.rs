@@ -80,6 +80,9 @@ fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f
     chosen
 }
 
+/// Maximum number of modes that are looked for where fewer leave a coloured residual.
+pub(super) const MORE_MODES: usize = 24;
+
 /// Modes that ring between strikes, searched for from known ones on; `None` if there is no time
 /// between any.
 pub(crate) fn free_modes(

@@ -3,26 +3,26 @@
 //! The first strikes are taken from rises of the level in the ear's bands. A room's sound only
 //! fades, so it adds no rises.
 //! Modes and contacts are fitted to the sound as if it were dry. The response follows from the
-//! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and modes
-//! and contacts are fitted again.
+//! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and the
+//! rest is fitted again.
 
 use super::begin::{at_best_time, begun};
 use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
+use super::dry::dry;
 use super::equations::residual as left_of;
 use super::error::LEAST_STRIKES;
-use super::free::{Guard, free_modes};
+use super::free::{FreeModes, Guard, MORE_MODES, free_modes};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::passes::completed_fit;
 use super::reflections::{FLAT_T60_S, UNKNOWN_T60_S, measured, reflected, response};
+use super::rises::rises;
 use super::whitening::{ORDER, Whitening};
 use crate::bark::Spectrum;
 use crate::modes::Settings;
 use crate::room::Room;
 
-/// Maximum number of modes before the room is known: further ones would model the room's tail.
-const FIRST_MODES: usize = 24;
 /// Largest ratio of the residual's energy with a room to that without one: -0.2 dB.
 const HEARD: f64 = 0.95;
 /// Time in seconds from a strike's beginning in which its energy is compared with the residual's.
@@ -41,20 +41,17 @@ pub(super) struct InRoom {
 
 /// Fit of a thing struck at one place in a room.
 ///
-/// It begins with moments near which strikes begin and those of them that are usable. `None` if no
-/// room is heard.
+/// It begins with moments near which strikes begin, those of them that are usable, and modes
+/// between strikes. `None` if no room is heard.
 pub(super) fn in_room(
     samples: &[f64],
     rate_hz: f64,
     settings: Settings,
-    (onsets, usable): (&[usize], &[usize]),
+    (onsets, usable, free): (&[usize], &[usize], &FreeModes),
     told: &dyn Fn(f64),
 ) -> Option<InRoom> {
     let layout = Layout::default();
-    let few = Settings { most_modes: settings.most_modes.min(FIRST_MODES), ..settings };
-    let free = free_modes(samples, onsets, Guard::OF_RISE, rate_hz, few, &[])?;
-    told(0.1);
-    let first = begun(samples, &free, (onsets, usable), rate_hz, layout, &|share| told(0.1 + 0.2 * share)).ok()?;
+    let first = begun(samples, free, (onsets, usable), rate_hz, layout, &|share| told(0.3 * share)).ok()?;
     let left = energy(&first.residual);
     let mut turn = dried(first, samples, samples, rate_hz).descended();
     let wet: Vec<f64> = samples.iter().zip(&turn.dry).map(|(x, dry)| x - dry).collect();
@@ -66,8 +63,7 @@ pub(super) fn in_room(
     turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening);
     told(0.4);
     turn = turn.next(samples, rate_hz);
-    let told = |share: f64| told(0.4 + 0.5 * share);
-    (turn.fitted, turn.whitening) = completed_fit(turn.fitted, &turn.dry, rate_hz, settings, layout, &told).ok()?;
+    (turn.fitted, turn.whitening) = turn.completed(rate_hz, settings, &|share| told(0.4 + 0.5 * share))?;
     turn.drop_echoes(rate_hz);
     if turn.fitted.model.strikes.len() < LEAST_STRIKES {
         return None;
@@ -113,6 +109,23 @@ impl InRoom {
     fn descended(self) -> Self {
         let fitted = descend(self.fitted, &self.dry, &self.whitening, Ending::COARSE);
         Self { fitted, ..self }
+    }
+
+    /// Fit of the sound without the room, continued or begun anew: the one that leaves less.
+    ///
+    /// Weak strikes rise out of the sound without the room, but a fit begun anew may end poorly.
+    fn completed(&self, rate_hz: f64, settings: Settings, told: &dyn Fn(f64)) -> Option<(Fitted, Whitening)> {
+        let layout = Layout::default();
+        let anew = || {
+            let onsets = rises(&self.dry, rate_hz);
+            let few = Settings { most_modes: settings.most_modes.min(MORE_MODES), ..settings };
+            let free = free_modes(&self.dry, &onsets, Guard::OF_RISE, rate_hz, few, &[])?;
+            dry(&self.dry, (onsets, free), rate_hz, settings, layout, &|share| told(0.5 + 0.5 * share)).ok()
+        };
+        let told = |share: f64| told(0.5 * share);
+        let continued = completed_fit(self.fitted.clone(), &self.dry, rate_hz, settings, layout, &told).ok();
+        let left = |(fitted, _): &(Fitted, Whitening)| energy(&fitted.residual);
+        [continued, anew()].into_iter().flatten().min_by(|a, b| left(a).total_cmp(&left(b)))
     }
 
     /// Drops strikes that do not stand out of the residual: they are echoes.
@@ -170,13 +183,13 @@ fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multi_strike::rises::rises;
     use crate::multi_strike::synthetic::{self, StruckOften, plain};
 
     fn fitted(sound: &StruckOften, most_modes: usize) -> Option<InRoom> {
         let onsets = rises(&sound.samples, sound.rate_hz);
         let settings = Settings { most_modes, ..Settings::default() };
-        in_room(&sound.samples, sound.rate_hz, settings, (&onsets, &onsets), &|_| {})
+        let free = free_modes(&sound.samples, &onsets, Guard::OF_RISE, sound.rate_hz, settings, &[])?;
+        in_room(&sound.samples, sound.rate_hz, settings, (&onsets, &onsets, &free), &|_| {})
     }
 
     #[test]
