@@ -30,9 +30,9 @@ const CLAMPED_ERROR: f64 = 0.02;
 /// Guess of the lowest mode's wave number times the longer extent, for bodies with a free edge. It
 /// is 3.7 for a free square and 4.7 for a free bar.
 const FREE: f64 = 4.2;
-/// Guess of the lowest mode's wave number for bodies without a free edge, divided by
-/// √(1/a² + 1/b²), where a and b are the extents. It is π for hinged rectangles and 4.2 for clamped
-/// squares.
+/// Guess of the lowest mode's wave number for bodies without a free edge, as a multiple of
+/// √(1/a² + 1/b²) for a body of the extents a and b. The exact multiple is π for hinged rectangles
+/// and 4.2 for clamped squares.
 const HELD: f64 = 3.5;
 
 impl Body {
