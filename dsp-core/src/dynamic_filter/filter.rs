@@ -21,6 +21,8 @@ pub(super) struct Filter<'m> {
     sums: SumsKind,
     /// Level of the noise along the path, Q30.
     level: Line,
+    /// Generator of the noise that follows the next mute.
+    after_mute: White,
 }
 
 impl Filter<'_> {
@@ -32,6 +34,7 @@ impl Filter<'_> {
             two_poles: TwoPoles::REST,
             sums: SumsKind::new(&OnePole::REST, true, false),
             level: Line { value: 0, step: 0 },
+            after_mute: White::new(0, 0),
         }
     }
 
@@ -44,6 +47,7 @@ impl Filter<'_> {
             whole: self.path.whole,
             ..OnePole::REST
         };
+        self.after_mute = noise.skipped();
         self.one_pole.state = self.one_pole.rest();
         self.two_poles = TwoPoles::new(&self.path);
         self.walk.end(&self.path);
@@ -116,6 +120,13 @@ impl Filter<'_> {
         (self.one_pole.state, self.one_pole.last) = (self.one_pole.rest(), 0);
         self.two_poles.rest();
         self.walk.end(&self.path);
+    }
+
+    /// Clears all sound, ends the path, and sets the generator of the noise that follows.
+    pub(super) fn mute(&mut self) {
+        self.rest();
+        self.one_pole.noise = self.after_mute;
+        self.after_mute = self.after_mute.skipped();
     }
 
     /// Multiplies all sound, and the noise to come, by `left` (Q31).

@@ -316,6 +316,16 @@ impl<'m> DynamicFilter<'m> {
         (self.left, self.noisy, self.ringing) = (0, false, false);
     }
 
+    /// Clears all sound and ends the path when a choke has taken all.
+    ///
+    /// The noise's generator goes on [`White::SKIP`](crate::noise::White::SKIP) draws behind its
+    /// start, or behind the place to which the mute before this one put it. So the strikes that
+    /// follow sound the same, whichever tick the choke ended in: that hangs on a rounding.
+    pub fn mute(&mut self) {
+        self.rest();
+        self.filter.mute();
+    }
+
     /// Multiplies all sound, and the noise to come, by `left` (Q31). The next strike sets the
     /// noise's level anew.
     pub fn attenuate(&mut self, left: i32) {

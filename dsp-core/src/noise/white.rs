@@ -24,9 +24,19 @@ pub const MULTIPLIER: u32 = 0x93d7_65dd;
 pub struct White(u32);
 
 impl White {
+    /// Number of draws that [`skipped`](Self::skipped) leaves out: 20 s at 48 kHz, longer than a
+    /// strike's noise. It is odd, because leaps by a power of two give related numbers.
+    pub const SKIP: u32 = 1_000_003;
+
     /// Makes a generator from a seed and the number of a stream, such as a pad's.
     pub const fn new(seed: u32, stream: u32) -> Self {
         Self(Sfc32::new(seed, stream).first() | 1)
+    }
+
+    /// Makes a generator that is [`SKIP`](Self::SKIP) draws ahead of this one.
+    pub const fn skipped(self) -> Self {
+        const FACTOR: u32 = MULTIPLIER.wrapping_pow(White::SKIP);
+        Self(self.0.wrapping_mul(FACTOR))
     }
 
     /// Returns the generator's word.

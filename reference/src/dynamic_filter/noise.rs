@@ -21,6 +21,14 @@ impl White {
         Self(word | 1)
     }
 
+    /// Generator that is 1 000 003 draws ahead of this one.
+    pub fn skipped(mut self) -> Self {
+        for _ in 0..1_000_003 {
+            self.draw();
+        }
+        self
+    }
+
     /// Draws the next random number.
     pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0x93d7_65dd);

@@ -27,6 +27,8 @@ pub struct DynamicFilter {
 pub(crate) struct DynamicFilterVoice<'a> {
     table: &'a DynamicFilter,
     noise: White,
+    /// Generator after the next mute.
+    after_mute: White,
     /// Factor on the generator's values.
     amplitude: f64,
     /// Samples since the last strike; [`PAST`] before the first strike and after the end.
@@ -44,6 +46,7 @@ impl<'a> DynamicFilterVoice<'a> {
         Self {
             table,
             noise: table.noise.0,
+            after_mute: table.noise.0.skipped(),
             amplitude: 0.0,
             since: PAST,
             band: table.exciter.map(|exciter| BandPass::new(exciter, rate)),
@@ -75,10 +78,13 @@ impl<'a> DynamicFilterVoice<'a> {
         self.loops.attenuate(left);
     }
 
-    /// Silences the filter until the next strike.
-    pub(crate) fn rest(&mut self) {
+    /// Silences the filter until the next strike. The generator goes on 1 000 003 draws behind its
+    /// start, or behind the place to which the mute before this one put it.
+    pub(crate) fn mute(&mut self) {
         self.attenuate(0.0);
         self.since = PAST;
+        self.noise = self.after_mute;
+        self.after_mute = self.after_mute.skipped();
     }
 
     /// Factor by which the filter's sound falls by itself in the sample rendered last.

@@ -168,7 +168,7 @@ impl<'a> Voice<'a> {
                 self.damp();
             }
             if (sample + 1).is_multiple_of(TICK_SAMPLES) && self.hand.has_muted() {
-                self.dynamic_filter.iter_mut().for_each(DynamicFilterVoice::rest);
+                self.dynamic_filter.iter_mut().for_each(DynamicFilterVoice::mute);
             }
         }
     }

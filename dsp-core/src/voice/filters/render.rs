@@ -54,7 +54,7 @@ impl Filters<'_> {
         self.since = self.since.saturating_add(frames).min(PAST);
         self.frame = (self.frame + bus.len()) % TICK_FRAMES;
         if self.frame == 0 && self.choke.settle() {
-            self.dynamic.rest();
+            self.dynamic.mute();
             self.since = PAST;
         }
         work
