@@ -122,11 +122,12 @@ impl Filter<'_> {
         self.walk.end(&self.path);
     }
 
-    /// Clears all sound, ends the path, and sets the generator of the noise that follows.
+    /// Sets the generator of the noise that follows a mute, unless the path is over.
     pub(super) fn mute(&mut self) {
-        self.rest();
-        self.one_pole.noise = self.after_mute;
-        self.after_mute = self.after_mute.skipped();
+        if self.walk.is_before(self.path.last_frame()) {
+            self.one_pole.noise = self.after_mute;
+            self.after_mute = self.after_mute.skipped();
+        }
     }
 
     /// Multiplies all sound, and the noise to come, by `left` (Q31).

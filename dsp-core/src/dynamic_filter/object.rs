@@ -318,12 +318,14 @@ impl<'m> DynamicFilter<'m> {
 
     /// Clears all sound and ends the path when a choke has taken all.
     ///
-    /// The noise's generator goes on [`White::SKIP`](crate::noise::White::SKIP) draws behind its
-    /// start, or behind the place to which the mute before this one put it. So the strikes that
-    /// follow sound the same, whichever tick the choke ended in: that hangs on a rounding.
+    /// If the path was not over, the noise's generator goes on
+    /// [`White::SKIP`](crate::noise::White::SKIP) draws behind its start, or behind the place to
+    /// which the mute before this one put it. So the strikes that follow sound the same, whichever
+    /// tick the choke ended in: that hangs on a rounding.
     pub fn mute(&mut self) {
-        self.rest();
+        self.settle_whole_ticks();
         self.filter.mute();
+        self.rest();
     }
 
     /// Multiplies all sound, and the noise to come, by `left` (Q31). The next strike sets the

@@ -114,6 +114,11 @@ impl Walk {
         self.next != u32::MAX
     }
 
+    /// True before a frame, which is counted from the strike.
+    pub(super) fn is_before(&self, frame: u32) -> bool {
+        self.time < frame
+    }
+
     /// Begins a segment, which lasts to the next breakpoint, or for `most` frames if that is
     /// sooner. Sets the lines, and gives the segment's number of frames.
     ///

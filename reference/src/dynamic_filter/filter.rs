@@ -82,16 +82,21 @@ impl<'a> Filter<'a> {
         form.step(&mut self.state, std::mem::replace(&mut self.last, e), e)
     }
 
+    /// True before the path's end, `samples` after the strike.
+    pub fn is_under_way(&self, samples: usize) -> bool {
+        let last_s = self.path.last().map_or(0.0, |point| point.time_s);
+        samples < (last_s * self.rate.hz()).ceil() as usize
+    }
+
     /// True if there is noise `samples` after the strike.
     ///
     /// It is false after the path's end, and between two breakpoints whose noise is 0.
     pub fn is_noisy(&self, samples: usize) -> bool {
-        let last_s = self.path.last().map_or(0.0, |point| point.time_s);
         let time_s = samples as f64 / self.rate.hz();
         let is_silent = |pair: &[Breakpoint]| {
             (pair[0].time_s..pair[1].time_s).contains(&time_s) && pair[0].noise == 0.0 && pair[1].noise == 0.0
         };
-        samples < (last_s * self.rate.hz()).ceil() as usize && !self.path.windows(2).any(is_silent)
+        self.is_under_way(samples) && !self.path.windows(2).any(is_silent)
     }
 
     /// Multiplies the filter's state by `left`.

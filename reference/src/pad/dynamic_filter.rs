@@ -78,13 +78,17 @@ impl<'a> DynamicFilterVoice<'a> {
         self.loops.attenuate(left);
     }
 
-    /// Silences the filter until the next strike. The generator goes on 1 000 003 draws behind its
-    /// start, or behind the place to which the mute before this one put it.
+    /// Silences the filter until the next strike.
+    ///
+    /// If its path was not over, the generator goes on 1 000 003 draws behind its start, or behind
+    /// the place to which the mute before this one put it.
     pub(crate) fn mute(&mut self) {
+        if self.filter.is_under_way(self.since) {
+            self.noise = self.after_mute;
+            self.after_mute = self.after_mute.skipped();
+        }
         self.attenuate(0.0);
         self.since = PAST;
-        self.noise = self.after_mute;
-        self.after_mute = self.after_mute.skipped();
     }
 
     /// Factor by which the filter's sound falls by itself in the sample rendered last.
