@@ -59,13 +59,13 @@ fn upload_loses_power_at(board: Board, places: usize) {
 #[test]
 fn power_lost_within_an_upload_leaves_the_old_kit_or_the_new_one() {
     for board in Board::ALL {
-        upload_loses_power_at(board, 8);
+        upload_loses_power_at(board, 5);
     }
 }
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes; the test of 8 places runs always"]
+#[ignore = "takes minutes; the test of 5 places runs always"]
 fn power_lost_at_500_places_of_an_upload_leaves_the_old_kit_or_the_new_one() {
     for board in Board::ALL {
         upload_loses_power_at(board, 500);
@@ -85,13 +85,13 @@ fn erase_loses_power(board: Board, seeds: u64) {
 #[test]
 fn power_lost_within_an_erase_leaves_the_old_kit_or_says_it_is_gone() {
     for board in Board::ALL {
-        erase_loses_power(board, 3);
+        erase_loses_power(board, 2);
     }
 }
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes; the test of 3 erases runs always"]
+#[ignore = "takes minutes; the test of 2 erases runs always"]
 fn power_lost_in_100_erases_leaves_the_old_kit_or_says_it_is_gone() {
     for board in Board::ALL {
         erase_loses_power(board, 100);
@@ -128,12 +128,12 @@ fn settings_lose_power_at(places: usize) {
 
 #[test]
 fn power_lost_within_a_write_of_a_setting_leaves_the_old_value_or_the_new_one() {
-    settings_lose_power_at(8);
+    settings_lose_power_at(5);
 }
 
 /// `cargo test -p virtual-board --test boards storage -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes; the test of 8 places runs always"]
+#[ignore = "takes minutes; the test of 5 places runs always"]
 fn power_lost_at_500_places_of_writes_leaves_the_old_value_or_the_new_one() {
     settings_lose_power_at(500);
 }

@@ -87,12 +87,12 @@ fn storms_by_turns(rounds: usize, turn_s: f64) {
 
 #[test]
 fn notes_garbage_and_endless_sysex_by_turns_miss_no_half() {
-    storms_by_turns(1, 0.25);
+    storms_by_turns(1, 0.15);
 }
 
 /// `cargo test -p virtual-board --test boards usb::storms -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes; the test of a second runs always"]
+#[ignore = "takes minutes; the test of 0.6 s runs always"]
 fn notes_garbage_and_endless_sysex_by_turns_for_10_s_miss_no_half() {
     storms_by_turns(10, 0.25);
 }
