@@ -1,6 +1,6 @@
 //! The joint fit: from samples to modes, gains and contacts with their standard deviations.
 
-use super::begin::at_best_time;
+use super::begin::{at_best_time, begun};
 use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::dry::dry;
@@ -22,8 +22,9 @@ const SHORTEST_S: f64 = 0.2;
 const FIRST_MODES: usize = 16;
 
 /// Ratio of the power that modes leave between strikes to that of its innovation from which a room
-/// may have coloured it: 12 dB. The sets *room* have 17 dB or more.
-const COLOURED: f64 = 16.0;
+/// may have coloured it: 5 dB. Clips of 12 s in rooms have 5.2 dB or more, those without a room at
+/// most COLOUR_OF_PLAIN dB.
+const COLOURED: f64 = 3.2;
 
 /// A fitted recording with the bounds of its numbers.
 #[derive(Clone, Debug)]
@@ -66,16 +67,24 @@ pub(crate) fn fit(
         // Modes that are missing colour the residual as a room does.
         free = modes(MORE_MODES).unwrap_or(free);
     }
-    let wet = (is_one_place && is_coloured(&free)).then(|| {
+    let may_have_room = is_one_place && is_coloured(&free);
+    let begun_in_room = || {
         let usable = usable(samples, &onsets, rate_hz);
-        in_room(samples, rate_hz, settings, (&onsets, &usable, &free), &|share| told(0.85 * share))
-    });
-    let InRoom { mut fitted, whitening, dry: sound, room } = match wet.flatten() {
+        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, &|share| told(0.2 * share)).ok()?;
+        in_room(first, samples, rate_hz, settings, &|share| told(0.2 + 0.65 * share))
+    };
+    let InRoom { mut fitted, whitening, dry: sound, room } = match may_have_room.then(begun_in_room).flatten() {
         Some(wet) => wet,
         None => {
-            let (fitted, whitening) =
-                dry(samples, (onsets, free), rate_hz, settings, layout, &|share| told(0.85 * share))?;
-            InRoom { fitted, whitening, dry: samples.to_vec(), room: None }
+            let dry_from = if may_have_room { 0.25 } else { 0.0 };
+            let dry_to = if may_have_room { 0.5 } else { 0.85 };
+            let told_dry = |share: f64| told(dry_from + (dry_to - dry_from) * share);
+            let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
+            // A room that a poor start hides is heard behind a whole fit.
+            let wet = may_have_room.then(|| {
+                in_room(fitted.clone(), samples, rate_hz, settings, &|share| told(dry_to + (0.85 - dry_to) * share))
+            });
+            wet.flatten().unwrap_or_else(|| InRoom { fitted, whitening, dry: samples.to_vec(), room: None })
         }
     };
     let samples = sound.as_slice();

@@ -6,13 +6,13 @@
 //! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and the
 //! rest is fitted again.
 
-use super::begin::{at_best_time, begun};
+use super::begin::at_best_time;
 use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
 use super::dry::dry;
 use super::equations::residual as left_of;
 use super::error::LEAST_STRIKES;
-use super::free::{FreeModes, Guard, MORE_MODES, free_modes};
+use super::free::{Guard, MORE_MODES, free_modes};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::passes::completed_fit;
@@ -39,31 +39,27 @@ pub(super) struct InRoom {
     pub(super) room: Option<Room>,
 }
 
-/// Fit of a thing struck at one place in a room.
-///
-/// It begins with moments near which strikes begin, those of them that are usable, and modes
-/// between strikes. `None` if no room is heard.
+/// Fit of a thing struck at one place in a room, from a fit without the room on. `None` if no room
+/// is heard.
 pub(super) fn in_room(
+    first: Fitted,
     samples: &[f64],
     rate_hz: f64,
     settings: Settings,
-    (onsets, usable, free): (&[usize], &[usize], &FreeModes),
     told: &dyn Fn(f64),
 ) -> Option<InRoom> {
-    let layout = Layout::default();
-    let first = begun(samples, free, (onsets, usable), rate_hz, layout, &|share| told(0.3 * share)).ok()?;
     let left = energy(&first.residual);
     let mut turn = dried(first, samples, samples, rate_hz).descended();
     let wet: Vec<f64> = samples.iter().zip(&turn.dry).map(|(x, dry)| x - dry).collect();
     if energy(&turn.fitted.residual) > HEARD * left || !is_near_modes(&wet, &turn.fitted.model, rate_hz) {
         return None;
     }
-    told(0.35);
+    told(0.1);
     turn = turn.next(samples, rate_hz).descended();
     turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening);
-    told(0.4);
+    told(0.2);
     turn = turn.next(samples, rate_hz);
-    (turn.fitted, turn.whitening) = turn.completed(rate_hz, settings, &|share| told(0.4 + 0.5 * share))?;
+    (turn.fitted, turn.whitening) = turn.completed(rate_hz, settings, &|share| told(0.2 + 0.7 * share))?;
     turn.drop_echoes(rate_hz);
     if turn.fitted.model.strikes.len() < LEAST_STRIKES {
         return None;
@@ -183,13 +179,16 @@ fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::multi_strike::begin::begun;
     use crate::multi_strike::synthetic::{self, StruckOften, plain};
 
     fn fitted(sound: &StruckOften, most_modes: usize) -> Option<InRoom> {
         let onsets = rises(&sound.samples, sound.rate_hz);
         let settings = Settings { most_modes, ..Settings::default() };
         let free = free_modes(&sound.samples, &onsets, Guard::OF_RISE, sound.rate_hz, settings, &[])?;
-        in_room(&sound.samples, sound.rate_hz, settings, (&onsets, &onsets, &free), &|_| {})
+        let first =
+            begun(&sound.samples, &free, (&onsets, &onsets), sound.rate_hz, Layout::default(), &|_| {}).ok()?;
+        in_room(first, &sound.samples, sound.rate_hz, settings, &|_| {})
     }
 
     #[test]
