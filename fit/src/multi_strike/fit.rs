@@ -22,8 +22,7 @@ const SHORTEST_S: f64 = 0.2;
 const FIRST_MODES: usize = 16;
 
 /// Ratio of the power that modes leave between strikes to that of its innovation from which a room
-/// may have coloured it: 5 dB. Clips of 12 s in rooms have 5.2 dB or more, those without a room at
-/// most COLOUR_OF_PLAIN dB.
+/// may have coloured it: 5 dB. Clips of 12 s in rooms have 5.2 dB or more.
 const COLOURED: f64 = 3.2;
 
 /// A fitted recording with the bounds of its numbers.

@@ -67,20 +67,29 @@ fn twenty_modes_come_within_half_a_decibel_of_a_rendered_strike() {
     assert!(lsd_db <= 0.5, "{lsd_db:.2} dB");
 }
 
-#[test]
-#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
-fn a_few_modes_come_within_two_decibels_of_a_recorded_strike() {
-    for (name, count, limits) in
-        [("hammer_ceramic.wav", 8, [(8, 1.85), (32, 1.75)]), ("hammer_wood.wav", 10, [(13, 1.3), (32, 1.15)])]
+/// Asserts that fits of all hits of two recordings come as near to them as `limits` has it: number
+/// of modes and mean distance in dB, of ceramic and of wood.
+fn modes_come_near(limits: [(usize, f64); 2]) {
+    for ((name, count), (modes, limit)) in [("hammer_ceramic.wav", 8), ("hammer_wood.wav", 10)].into_iter().zip(limits)
     {
         let (recording, found) = recording(name);
         assert_eq!(found.len(), count, "{name}: {found:?}");
-        for (modes, limit) in limits {
-            let lsd_db = mean_lsd_db(&recording, &found, modes);
-            println!("{name}, {modes} modes: LSD {lsd_db:.2} dB, mean over {count} hits");
-            assert!(lsd_db <= limit, "{name}, {modes} modes: {lsd_db:.2} dB");
-        }
+        let lsd_db = mean_lsd_db(&recording, &found, modes);
+        println!("{name}, {modes} modes: LSD {lsd_db:.2} dB, mean over {count} hits");
+        assert!(lsd_db <= limit, "{name}, {modes} modes: {lsd_db:.2} dB");
     }
+}
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn a_few_modes_come_within_two_decibels_of_a_recorded_strike() {
+    modes_come_near([(8, 1.85), (13, 1.3)]);
+}
+
+#[test]
+#[ignore = "half a minute: cargo test -p fit --test sounds hammer::thirty_two -- --ignored --nocapture"]
+fn thirty_two_modes_come_nearer_to_a_recorded_strike() {
+    modes_come_near([(32, 1.75), (32, 1.15)]);
 }
 
 /// Full width at half maximum of the force of a strike, in seconds.
