@@ -80,7 +80,8 @@ pub(crate) fn fit(
             let told_dry = |share: f64| told(dry_from + (dry_to - dry_from) * share);
             let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
             // A room that a poor start hides is heard behind a whole fit.
-            let wet = may_have_room.then(|| {
+            let left: f64 = fitted.residual.iter().map(|x| x * x).sum();
+            let wet = (may_have_room && left > COLOURED * fitted.energy).then(|| {
                 in_room(fitted.clone(), samples, rate_hz, settings, &|share| told(dry_to + (0.85 - dry_to) * share))
             });
             wet.flatten().unwrap_or_else(|| InRoom { fitted, whitening, dry: samples.to_vec(), room: None })
