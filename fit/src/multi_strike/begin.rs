@@ -1,7 +1,5 @@
 //! The first fit: from starting models of the contacts to the one that explains most.
 
-use rayon::prelude::*;
-
 use super::alignment::{aligned, alternatives};
 use super::amplitudes::{Told, White, changes_of};
 use super::descend::{Ending, Fitted, descend};
@@ -90,8 +88,9 @@ fn started(
 
 /// The best descent of starting models; `None` if there are none.
 fn nearest(starts: &[Model], samples: &[f64], variance: f64, rate_hz: f64, told: &dyn Fn(f64)) -> Option<Fitted> {
+    // One at a time: each takes as much memory as the recording.
     let mut aligned: Vec<(f64, Model)> =
-        starts.par_iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
+        starts.iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Trials that ended in one model.
     aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);

@@ -1,5 +1,6 @@
 //! Modes and strikes of a fitted recording, with the standard deviation of each number.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
@@ -122,6 +123,12 @@ pub fn estimate(
     layout: Layout,
     told: impl Fn(f64),
 ) -> Result<Estimate, StrikesError> {
+    // A fit in a room that is given up begins anew.
+    let furthest = Cell::new(0.0);
+    let told = |share: f64| {
+        furthest.set(share.max(furthest.get()));
+        told(furthest.get());
+    };
     let joint = fit(samples, rate_hz, settings, layout, &told)?;
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
     estimate.room = joint.room;

@@ -1,5 +1,7 @@
 //! The joint fit: from samples to modes, gains and contacts with their standard deviations.
 
+use std::borrow::Cow;
+
 use super::begin::{at_best_time, begun};
 use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
@@ -67,27 +69,9 @@ pub(crate) fn fit(
         free = modes(MORE_MODES).unwrap_or(free);
     }
     let may_have_room = is_one_place && is_coloured(&free);
-    let begun_in_room = || {
-        let usable = usable(samples, &onsets, rate_hz);
-        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, &|share| told(0.2 * share)).ok()?;
-        in_room(first, samples, rate_hz, settings, &|share| told(0.2 + 0.65 * share))
-    };
-    let InRoom { mut fitted, whitening, dry: sound, room } = match may_have_room.then(begun_in_room).flatten() {
-        Some(wet) => wet,
-        None => {
-            let dry_from = if may_have_room { 0.25 } else { 0.0 };
-            let dry_to = if may_have_room { 0.5 } else { 0.85 };
-            let told_dry = |share: f64| told(dry_from + (dry_to - dry_from) * share);
-            let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
-            // A room that a poor start hides is heard behind a whole fit.
-            let left: f64 = fitted.residual.iter().map(|x| x * x).sum();
-            let wet = (may_have_room && left > COLOURED * fitted.energy).then(|| {
-                in_room(fitted.clone(), samples, rate_hz, settings, &|share| told(dry_to + (0.85 - dry_to) * share))
-            });
-            wet.flatten().unwrap_or_else(|| InRoom { fitted, whitening, dry: samples.to_vec(), room: None })
-        }
-    };
-    let samples = sound.as_slice();
+    let found = thing(samples, (onsets, free), may_have_room, rate_hz, settings, layout, told)?;
+    let Thing { mut fitted, whitening, dry: sound, room } = found;
+    let samples = &*sound;
     StrikesError::refuse_few(fitted.model.strikes.len(), rising)?;
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted = descend(fitted, samples, &whitening, Ending::FINE);
@@ -110,6 +94,52 @@ pub(crate) fn fit(
     }
     told(1.0);
     Ok(JointFit { fitted, deviations, room })
+}
+
+/// Thing whose strikes are fitted, and the filter of its noise.
+struct Thing<'a> {
+    fitted: Fitted,
+    whitening: Whitening,
+    /// Recording without the room's sound.
+    dry: Cow<'a, [f64]>,
+    /// Room, if one is heard.
+    room: Option<Room>,
+}
+
+/// Fit of the thing, in a room if it may have one and if one is heard.
+///
+/// It begins with moments near which strikes begin, and modes between strikes. `told` gets up to
+/// 0.85.
+fn thing<'a>(
+    samples: &'a [f64],
+    (onsets, free): (Vec<usize>, FreeModes),
+    may_have_room: bool,
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: &dyn Fn(f64),
+) -> Result<Thing<'a>, StrikesError> {
+    let wet = |InRoom { fitted, whitening, dry, room }| Thing { fitted, whitening, dry: Cow::Owned(dry), room };
+    let begun_in_room = || {
+        let usable = usable(samples, &onsets, rate_hz);
+        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, &|share| told(0.2 * share)).ok()?;
+        in_room(first, samples, rate_hz, settings, &|share| told(0.2 + 0.65 * share))
+    };
+    if let Some(found) = may_have_room.then(begun_in_room).flatten() {
+        return Ok(wet(found));
+    }
+    let [from, to] = if may_have_room { [0.25, 0.5] } else { [0.0, 0.85] };
+    let told_dry = |share: f64| told(from + (to - from) * share);
+    let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
+    // A room that a poor start hides is heard behind a whole fit.
+    let left: f64 = fitted.residual.iter().map(|x| x * x).sum();
+    if may_have_room && left > COLOURED * fitted.energy {
+        let told = |share: f64| told(to + (0.85 - to) * share);
+        if let Some(found) = in_room(fitted.clone(), samples, rate_hz, settings, &told) {
+            return Ok(wet(found));
+        }
+    }
+    Ok(Thing { fitted, whitening, dry: Cow::Borrowed(samples), room: None })
 }
 
 /// The fit with acceleration sound, if that explains more than its number costs.
