@@ -99,6 +99,9 @@ impl Filter {
     /// Computes sample n; `hand_per_s` is the hand's decay rate, 0 without a hand.
     pub(crate) fn play(&mut self, n: usize, modes: f64, hand_per_s: f64) -> f64 {
         if hand_per_s > 0.0 && n.is_multiple_of(32) && self.hand.is_some_and(|product| product < SILENT) {
+            if self.time(n).is_some() {
+                self.generator.start_anew();
+            }
             self.scale(0.0);
             (self.hand, self.start) = (None, None);
         }
