@@ -21,8 +21,8 @@ pub(super) struct Filter<'m> {
     sums: SumsKind,
     /// Level of the noise along the path, Q30.
     level: Line,
-    /// Generator of the noise that follows the next mute.
-    after_mute: White,
+    /// Generator as it began, or as the last mute on the path set it.
+    noise_start: White,
 }
 
 impl Filter<'_> {
@@ -34,7 +34,7 @@ impl Filter<'_> {
             two_poles: TwoPoles::REST,
             sums: SumsKind::new(&OnePole::REST, true, false),
             level: Line { value: 0, step: 0 },
-            after_mute: White::new(0, 0),
+            noise_start: White::new(0, 0),
         }
     }
 
@@ -47,7 +47,7 @@ impl Filter<'_> {
             whole: self.path.whole,
             ..OnePole::REST
         };
-        self.after_mute = noise.skipped();
+        self.noise_start = noise;
         self.one_pole.state = self.one_pole.rest();
         self.two_poles = TwoPoles::new(&self.path);
         self.walk.end(&self.path);
@@ -123,10 +123,10 @@ impl Filter<'_> {
     }
 
     /// Sets the generator of the noise that follows a mute, unless the path is over.
-    pub(super) fn mute(&mut self) {
+    pub(super) fn start_noise_anew(&mut self) {
         if self.walk.is_before(self.path.last_frame()) {
-            self.one_pole.noise = self.after_mute;
-            self.after_mute = self.after_mute.skipped();
+            self.noise_start = self.noise_start.skipped();
+            self.one_pole.noise = self.noise_start;
         }
     }
 

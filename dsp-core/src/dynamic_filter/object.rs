@@ -324,7 +324,7 @@ impl<'m> DynamicFilter<'m> {
     /// tick the choke ended in: that hangs on a rounding.
     pub fn mute(&mut self) {
         self.settle_whole_ticks();
-        self.filter.mute();
+        self.filter.start_noise_anew();
         self.rest();
     }
 

@@ -9,7 +9,7 @@ use super::dry::dry;
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, MORE_MODES, free_modes};
 use super::heard::{log_deviation, with_heard_peaks};
-use super::in_room::{InRoom, in_room};
+use super::in_room::{InRoom, energy, in_room};
 use super::layout::Layout;
 use super::rises::rises;
 use super::whitening::Whitening;
@@ -132,8 +132,7 @@ fn thing<'a>(
     let told_dry = |share: f64| told(from + (to - from) * share);
     let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
     // A room that a poor start hides is heard behind a whole fit.
-    let left: f64 = fitted.residual.iter().map(|x| x * x).sum();
-    if may_have_room && left > COLOURED * fitted.energy {
+    if may_have_room && energy(&fitted.residual) > COLOURED * fitted.energy {
         let told = |share: f64| told(to + (0.85 - to) * share);
         if let Some(found) = in_room(fitted.clone(), samples, rate_hz, settings, &told) {
             return Ok(wet(found));

@@ -69,7 +69,7 @@ pub(super) fn in_room(
     Some(turn)
 }
 
-fn energy(sound: &[f64]) -> f64 {
+pub(super) fn energy(sound: &[f64]) -> f64 {
     sound.iter().map(|x| x * x).sum()
 }
 

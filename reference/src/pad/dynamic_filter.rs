@@ -27,8 +27,8 @@ pub struct DynamicFilter {
 pub(crate) struct DynamicFilterVoice<'a> {
     table: &'a DynamicFilter,
     noise: White,
-    /// Generator after the next mute.
-    after_mute: White,
+    /// Generator as it began, or as the last mute on the path set it.
+    noise_start: White,
     /// Factor on the generator's values.
     amplitude: f64,
     /// Samples since the last strike; [`PAST`] before the first strike and after the end.
@@ -46,7 +46,7 @@ impl<'a> DynamicFilterVoice<'a> {
         Self {
             table,
             noise: table.noise.0,
-            after_mute: table.noise.0.skipped(),
+            noise_start: table.noise.0,
             amplitude: 0.0,
             since: PAST,
             band: table.exciter.map(|exciter| BandPass::new(exciter, rate)),
@@ -84,8 +84,8 @@ impl<'a> DynamicFilterVoice<'a> {
     /// the place to which the mute before this one put it.
     pub(crate) fn mute(&mut self) {
         if self.filter.is_under_way(self.since) {
-            self.noise = self.after_mute;
-            self.after_mute = self.after_mute.skipped();
+            self.noise_start = self.noise_start.skipped();
+            self.noise = self.noise_start;
         }
         self.attenuate(0.0);
         self.since = PAST;
