@@ -31,13 +31,13 @@ impl Pole {
 
     /// Number of `length` samples after which the rest changes no digit (150 dB down).
     pub(crate) fn lasting(self, length: usize) -> usize {
-        length.min((17.3 / self.decay).ceil() as usize + 1)
+        length.min(((17.3 / self.decay).ceil() as usize).saturating_add(1))
     }
 }
 
 /// Number of powers in a block: a whole block is made by one product, as
 /// `z^(start + i) = z^start z^i`.
-pub(crate) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 
 /// Powers `z^0 .. z^63`, with real and imaginary parts in separate arrays.
 pub(crate) struct PowerBlock {
@@ -63,7 +63,7 @@ impl PowerBlock {
         block
     }
 
-    /// Sums `[Σ x zⁱ, Σ i x zⁱ]` over at most 64 samples.
+    /// Sums `[Σ x zⁱ, Σ i x zⁱ]` over at most a block of samples.
     fn weigh(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (mut re, mut im, mut re_n, mut im_n) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
         let mut index = [0.0, 1.0, 2.0, 3.0];

@@ -13,15 +13,11 @@
 //! gradients solve it in the unit `h[n] / √v[n]`; products with R are transforms of the response's
 //! length.
 
-use nalgebra::Complex;
-
 use super::whitening::Whitening;
 use crate::convolution::Convolution;
 use crate::decay;
-use crate::modes::Pole;
+use crate::modes::{Pole, project};
 use crate::room::{Room, RoomBand, T60_S, octave_of, of_bands};
-
-type C64 = Complex<f64>;
 
 /// Longest response in shares of the assumed T60: there it has faded by 84 dB.
 const LENGTH_T60: f64 = 1.4;
@@ -105,9 +101,9 @@ pub(crate) fn measured(response: &[f64], modes: &[(Pole, f64)], rate_hz: f64) ->
         }
         let Some(octave) = octaves.last_mut() else { continue };
         octave.energy += energy;
-        for (index, (power, samples)) in octave.powers.iter_mut().zip(response.chunks_exact(window)).enumerate() {
-            let turn = |n: usize| C64::new(0.0, -pole.angular * (index * window + n) as f64).exp();
-            *power += energy * samples.iter().enumerate().map(|(n, x)| turn(n) * *x).sum::<C64>().norm_sqr();
+        let lasting = Pole { decay: 0.0, ..*pole };
+        for (power, samples) in octave.powers.iter_mut().zip(response.chunks_exact(window)) {
+            *power += energy * project(lasting, samples)[0].norm_sqr();
         }
     }
     let bands = octaves.into_iter().filter_map(|Octave { edges_hz, energy, powers }| {

@@ -111,6 +111,8 @@ struct Levels {
     /// Power of the model, by band and frame.
     model: Vec<Vec<f64>>,
     floor: f64,
+    /// Squared window, with a sum of 1, and a sample of 0 behind it.
+    window: Vec<f64>,
     /// Power that noise of unit rms in one band (rows) has in each band.
     spread: spread::Spread,
     /// Levels of a band's noise in the four quarters of its distribution, relative to the mean.
@@ -140,6 +142,9 @@ impl Levels {
         };
         let (wanted, model) = (powers(recording), powers(model));
         let floor = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
+        let window: Vec<f64> =
+            (0..WINDOW).map(|n| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4)).collect();
+        let whole: f64 = window.iter().sum();
         // A Hann window smears 1.5 bins into one, which gives the number of independent complex
         // values in a band.
         let cells: Vec<f64> = edges.windows(2).map(|edge| ((edge[1] - edge[0]) / 1.5).max(1.0)).collect();
@@ -158,6 +163,7 @@ impl Levels {
                 .collect(),
             model,
             floor,
+            window: window.iter().map(|value| value / whole).chain([0.0]).collect(),
             rate_hz,
             counts: frames.iter().map(stands_for).collect(),
             frames: frames
@@ -190,14 +196,16 @@ impl Levels {
     /// Mean of `10^{-γt/10}` under the squared window, for each frame.
     fn shape(&self, decay_db_per_s: f64) -> Vec<f64> {
         let fade = |seconds: f64| 10f64.powf(-decay_db_per_s * seconds / 10.0);
-        let window = |n: usize| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4);
-        let whole = (0..WINDOW).map(window).sum::<f64>();
-        let within =
-            |from: usize| (from..WINDOW).map(|n| window(n) * fade(n as f64 / self.rate_hz)).sum::<f64>() / whole;
-        let from_start = within(0);
+        // Means from each sample of the window on, as if the decay began there, by Horner's rule.
+        let (by_sample, mut mean) = (fade(1.0 / self.rate_hz), 0.0);
+        let mut means = vec![0.0; WINDOW + 1];
+        for (of_sample, window) in means.iter_mut().zip(&self.window).rev() {
+            mean = window + by_sample * mean;
+            *of_sample = mean;
+        }
         let shape = |&start_s: &f64| {
-            let before = (-start_s * self.rate_hz).round().max(0.0) as usize;
-            fade(start_s) * if before > 0 { within(before.min(WINDOW)) } else { from_start }
+            let before = ((-start_s * self.rate_hz).round().max(0.0) as usize).min(WINDOW);
+            fade(start_s + before as f64 / self.rate_hz) * means[before]
         };
         self.frames.iter().map(shape).collect()
     }
