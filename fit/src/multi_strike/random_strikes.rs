@@ -78,7 +78,7 @@ fn left_by_replay_dbfs(sound: &StruckOften, fit: &Estimate) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn replay_of_any_fitted_strikes_leaves_what_the_fit_says(sound in sound()) {

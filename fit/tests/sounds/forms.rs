@@ -272,8 +272,8 @@ fn errors_of_recordings(names: &[&str], most_modes: usize) -> Vec<f64> {
 
 #[test]
 #[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
-fn two_recordings_are_fitted_as_near_in_each_of_seven_forms() {
-    let all = errors_of_recordings(&["mug_1", "tubularbell_1"], 16);
+fn a_recording_is_fitted_as_near_in_each_of_seven_forms() {
+    let all = errors_of_recordings(&["mug_1"], 16);
     assert!(quantile(&all, 1.0) <= 0.03, "{all:?}");
 }
 
