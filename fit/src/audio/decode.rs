@@ -14,7 +14,7 @@ use super::decimate::decimate;
 use super::recording::{Note, Recording};
 use crate::error::FitError;
 
-/// Maximum length in seconds that is read, so that memory stays bounded for every file.
+/// Maximum length in seconds that [`read`] takes, so that memory stays bounded for every file.
 const LONGEST_S: f64 = 120.0;
 /// Highest sample rate in Hz that is not decimated.
 const HIGHEST_RATE_HZ: u32 = 48_000;
@@ -32,13 +32,22 @@ struct Decoded {
 /// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
 /// named.
 ///
-/// The force channel is never taken for the loudest.
+/// The force channel is never taken for the loudest. Of a file of more than 120 s the beginning is
+/// read, and a note says so.
 ///
 /// # Errors
 /// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds
 /// samples that are not finite.
 pub fn read(path: &Path, force_channel: Option<usize>) -> Result<Recording, FitError> {
-    let Decoded { interleaved, channels, rate_hz, mut notes } = decode(path)?;
+    read_up_to(path, force_channel, LONGEST_S)
+}
+
+/// Reads a file as [`read`] does, but up to a length of `longest_s` seconds.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> Result<Recording, FitError> {
+    let Decoded { interleaved, channels, rate_hz, mut notes } = decode(path, longest_s)?;
     if interleaved.is_empty() || channels == 0 {
         return Err(FitError::Empty { path: path.to_owned() });
     }
@@ -68,7 +77,7 @@ pub fn read(path: &Path, force_channel: Option<usize>) -> Result<Recording, FitE
     Ok(Recording { samples: channel(taken), force: force_channel.map(channel), rate_hz: new_rate_hz, notes })
 }
 
-fn decode(path: &Path) -> Result<Decoded, FitError> {
+fn decode(path: &Path, longest_s: f64) -> Result<Decoded, FitError> {
     let file = File::open(path).map_err(|cause| FitError::Read { path: path.to_owned(), cause })?;
     if file.metadata().is_ok_and(|metadata| metadata.len() == 0) {
         return Err(FitError::Empty { path: path.to_owned() });
@@ -129,10 +138,10 @@ fn decode(path: &Path) -> Result<Decoded, FitError> {
         }
         buffer.copy_to_vec_interleaved(&mut packet_samples);
         decoded.interleaved.extend_from_slice(&packet_samples);
-        let most = (LONGEST_S * f64::from(rate_hz)) as usize * channels;
+        let most = (longest_s * f64::from(rate_hz)) as usize * channels;
         if decoded.interleaved.len() > most {
             decoded.interleaved.truncate(most);
-            decoded.notes.push(Note::Truncated { seconds: LONGEST_S });
+            decoded.notes.push(Note::Truncated { seconds: longest_s });
             break;
         }
     }

@@ -7,5 +7,5 @@ mod decimate;
 mod decode;
 mod recording;
 
-pub use decode::read;
+pub use decode::{read, read_up_to};
 pub use recording::{Note, Recording};

@@ -60,3 +60,7 @@ pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
 pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;
+
+/// Maximum length of a recording in seconds: its fit takes 3 GB of memory
+/// (`cargo bench -p fit --bench strikes -- time 1800`).
+pub const LONGEST_S: f64 = 1800.0;

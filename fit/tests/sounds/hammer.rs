@@ -212,8 +212,8 @@ fn a_fit_with_the_force_explains_rendered_strikes_down_to_their_noise() {
     assert!((plain + 11.2).abs() < 1.0 && (along + 32.1).abs() < 2.0, "{plain:.2} dB, {along:.2} dB");
 }
 
-/// Checks the figures of docs/fit.md: largest residual in dB, number of hits that leave at most -20 dB, and
-/// predictions of hits by others.
+/// Checks the figures of docs/fit.md: largest residual in dB, number of hits that leave at most
+/// -20 dB, and predictions of hits by others.
 fn shared_poles_are_as_documented(name: &str, worst: f64, good: usize, predicted: [f64; 3]) {
     let (recording, found) = recording(name);
     let (residual_db, predictions) = shared_poles(name, &recording, &found);

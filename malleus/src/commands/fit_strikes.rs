@@ -47,7 +47,11 @@ pub(super) fn fit_and_write(
     bar: &ProgressBar,
 ) -> Result<StrikesReport, String> {
     let start = std::time::Instant::now();
-    let recording = audio::read(&job.input, None).map_err(|error| with_file(&job.input, error))?;
+    let recording = match arguments.estimator {
+        EstimatorName::Modal => audio::read_up_to(&job.input, None, multi_strike::LONGEST_S),
+        EstimatorName::Bins | EstimatorName::Descent => audio::read(&job.input, None),
+    };
+    let recording = recording.map_err(|error| with_file(&job.input, error))?;
     let told = |share: f64| bar.set_position((share * STEPS as f64) as u64);
     let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", job.input.display());
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
@@ -190,14 +194,15 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     notes
 }
 
-/// A recording's row of the table that is printed.
+/// A recording's row of the table that is printed, and its notes.
 pub(super) fn row(name: &str, report: &StrikesReport) -> String {
     let estimate = &report.estimate;
     let t60_s = |choose: fn(f64, f64) -> f64, start: f64| {
         estimate.modes.iter().map(multi_strike::ModeEstimate::t60_s).fold(start, choose)
     };
+    let notes: String = report.notes.iter().map(|note| format!("  {note}\n")).collect();
     format!(
-        "{name:32} {:>5} {:>7} {:>17} {:>7} {:>7.1}\n",
+        "{name:32} {:>5} {:>7} {:>17} {:>7} {:>7.1}\n{notes}",
         estimate.modes.len(),
         "-",
         format!("{:.3} to {:.2}", t60_s(f64::min, f64::INFINITY), t60_s(f64::max, 0.0)),

@@ -85,3 +85,23 @@ fn page_of_many_strikes_has_its_parts_and_the_sound_that_play_makes() {
     assert!(sounds[1].iter().any(|x| x.abs() > 20_000), "the replay sounds");
     assert!(fs::metadata(path("pages/taps.html")).expect("a page").len() < 12_000_000);
 }
+
+/// Other ways read 120 s of a recording; strikes are fitted together in up to 30 minutes.
+#[test]
+fn strikes_behind_the_first_two_minutes_are_fitted() {
+    let folder = TempDir::new().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let text = |name: &str| path(name).to_string_lossy().into_owned();
+    let sound = fit::multi_strike::synthetic::plain(8, 125.0, 12, -60.0);
+    write_recording(&path("taps.wav"), &sound.samples);
+    let (table, events) = (text("taps.toml"), text("taps.csv"));
+    let output = malleus(&[&path("taps.wav")], &["-o", &table, "--events", &events]);
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!printed.contains("only the first"), "{printed}");
+    let found = read(&path("taps.csv"));
+    let times_s: Vec<f64> = found.lines().skip(1).filter_map(|line| line.split(',').next()?.parse().ok()).collect();
+    let late = sound.strikes.iter().filter(|strike| strike.at_s > 120.0);
+    let is_found = |at_s: f64| times_s.iter().any(|time_s| (time_s - at_s).abs() < 1e-3);
+    assert!(late.clone().count() > 0 && sound.strikes.iter().all(|strike| is_found(strike.at_s)), "{times_s:?}");
+}
