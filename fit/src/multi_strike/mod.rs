@@ -61,6 +61,7 @@ pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;
 
-/// Maximum length of a recording in seconds: its fit takes 3 GB of memory
-/// (`cargo bench -p fit --bench strikes -- time 1800`).
+/// Maximum length in seconds of a recording that `malleus fit --events` reads.
+///
+/// Its fit takes 3 GB of memory (`cargo bench -p fit --bench strikes -- time 1800`).
 pub const LONGEST_S: f64 = 1800.0;

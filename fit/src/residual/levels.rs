@@ -111,7 +111,7 @@ struct Levels {
     /// Power of the model, by band and frame.
     model: Vec<Vec<f64>>,
     floor: f64,
-    /// Squared window, with a sum of 1, and a sample of 0 behind it.
+    /// Squared window, with a sum of 1.
     window: Vec<f64>,
     /// Power that noise of unit rms in one band (rows) has in each band.
     spread: spread::Spread,
@@ -163,7 +163,7 @@ impl Levels {
                 .collect(),
             model,
             floor,
-            window: window.iter().map(|value| value / whole).chain([0.0]).collect(),
+            window: window.iter().map(|value| value / whole).collect(),
             rate_hz,
             counts: frames.iter().map(stands_for).collect(),
             frames: frames
@@ -198,13 +198,13 @@ impl Levels {
         let fade = |seconds: f64| 10f64.powf(-decay_db_per_s * seconds / 10.0);
         // Means from each sample of the window on, as if the decay began there, by Horner's rule.
         let (by_sample, mut mean) = (fade(1.0 / self.rate_hz), 0.0);
-        let mut means = vec![0.0; WINDOW + 1];
+        let mut means = vec![0.0; WINDOW];
         for (of_sample, window) in means.iter_mut().zip(&self.window).rev() {
             mean = window + by_sample * mean;
             *of_sample = mean;
         }
         let shape = |&start_s: &f64| {
-            let before = ((-start_s * self.rate_hz).round().max(0.0) as usize).min(WINDOW);
+            let before = ((-start_s * self.rate_hz).round().max(0.0) as usize).min(BEFORE);
             fade(start_s + before as f64 / self.rate_hz) * means[before]
         };
         self.frames.iter().map(shape).collect()
