@@ -34,5 +34,6 @@ mod joint;
 mod parabola;
 mod random;
 mod trim;
+mod vectors;
 
 pub use error::FitError;

@@ -22,6 +22,7 @@ pub(super) struct Cell {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moments {
     pub(super) mean: f32,
+    one_over: f32,
     pub(super) variance: f32,
     pub(super) by_modes: f32,
     pub(super) by_noise: f32,
@@ -29,26 +30,31 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Moments of a cell with `freedom` = 1/c; the floor counts as modes that do not vary.
+    #[inline(always)]
     pub(super) fn new(modes: f32, noise: f32, floor: f32, freedom: f32) -> Self {
         let mean = modes + noise + floor;
-        let scale = freedom / (mean * mean);
+        let one_over = 1.0 / mean;
+        let scale = freedom * one_over * one_over;
         let variance = (noise + 2.0 * modes) * noise * scale;
         Self {
             mean,
+            one_over,
             variance,
-            by_modes: 2.0 * (noise * scale - variance / mean),
-            by_noise: 2.0 * ((noise + modes) * scale - variance / mean),
+            by_modes: 2.0 * (noise * scale - variance * one_over),
+            by_noise: 2.0 * ((noise + modes) * scale - variance * one_over),
         }
     }
 
-    /// Expected squared error in dB from a wanted power, given by its natural logarithm.
-    pub(super) fn cell(&self, wanted_ln: f32) -> Cell {
-        let Self { mean, variance: r, by_modes, by_noise } = *self;
-        let error = DECIBELS * (mean.ln() - wanted_ln - r * (0.5 + r / 12.0));
-        let scatter = DECIBELS * DECIBELS * r * (1.0 + r * (0.5 + r / 6.0));
-        let bend = DECIBELS * (0.5 + r / 6.0);
+    /// Expected squared error in dB from a wanted power, given by how far the natural logarithm of
+    /// the mean lies over its own.
+    #[inline(always)]
+    pub(super) fn cell(&self, over_ln: f32) -> Cell {
+        let Self { one_over, variance: r, by_modes, by_noise, .. } = *self;
+        let error = DECIBELS * (over_ln - r * (0.5 + r * (1.0 / 12.0)));
+        let scatter = DECIBELS * DECIBELS * r * (1.0 + r * (0.5 + r * (1.0 / 6.0)));
+        let bend = DECIBELS * (0.5 + r * (1.0 / 6.0));
         let spread = DECIBELS * DECIBELS * (1.0 + r * (1.0 + 0.5 * r));
-        let slope = |by: f32| 2.0 * error * (DECIBELS / mean - bend * by) + spread * by;
+        let slope = |by: f32| 2.0 * error * (DECIBELS * one_over - bend * by) + spread * by;
         Cell { square: error * error + scatter, by_modes: slope(by_modes), by_noise: slope(by_noise) }
     }
 }
@@ -57,6 +63,11 @@ impl Moments {
 mod tests {
     use super::*;
     use crate::random::SplitMix64;
+
+    fn expected(modes: f32, noise: f32, floor: f32, freedom: f32, wanted: f32) -> Cell {
+        let moments = Moments::new(modes, noise, floor, freedom);
+        moments.cell(moments.mean.ln() - wanted.ln())
+    }
 
     #[test]
     fn expected_error_is_that_of_many_draws() {
@@ -71,16 +82,16 @@ mod tests {
                 sum += (10.0 * ((re * re + im * im) / f64::from(wanted)).log10()).powi(2);
             }
             let drawn = sum / f64::from(draws);
-            let expected = f64::from(Moments::new(modes, noise, 0.0, 1.0).cell(wanted.ln()).square);
+            let expected = f64::from(expected(modes, noise, 0.0, 1.0, wanted).square);
             assert!((expected / drawn - 1.0).abs() < 0.2, "{modes} {noise}: {expected} {drawn}");
         }
     }
 
     #[test]
     fn slopes_are_the_numeric_derivatives() {
-        let square = |modes: f32, noise: f32| Moments::new(modes, noise, 0.05, 0.4).cell(0.3f32.ln()).square;
+        let square = |modes: f32, noise: f32| expected(modes, noise, 0.05, 0.4, 0.3).square;
         for (modes, noise) in [(0.4f32, 0.8f32), (2.0, 0.3), (0.02, 0.5)] {
-            let cell = Moments::new(modes, noise, 0.05, 0.4).cell(0.3f32.ln());
+            let cell = expected(modes, noise, 0.05, 0.4, 0.3);
             let step = 1e-2;
             let numeric = |up: f32, down: f32| (up - down) / (2.0 * step);
             let by_modes = numeric(square(modes + step, noise), square(modes - step, noise));

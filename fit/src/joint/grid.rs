@@ -6,6 +6,7 @@
 use super::cell::DECIBELS;
 use crate::distance::{ErbLevels, Spectrogram};
 use crate::hearing::{Partial, threshold_db};
+use crate::vectors::dot;
 
 /// Power relative to the loudest cell below which nothing counts: 60 dB.
 const FLOOR: f32 = 1e-6;
@@ -51,7 +52,7 @@ pub(super) struct Grid {
     /// Wanted loudness of each cell, frame after frame; empty if loudness is not compared.
     pub(super) wanted_loudness: Vec<f32>,
     pub(super) floor: f32,
-    /// Weight of each cell, frame after frame, with a sum of 1 a frame; empty if all count alike.
+    /// Weight of each cell, frame after frame, with a sum of 1 a frame.
     pub(super) weights: Vec<f32>,
 }
 
@@ -75,6 +76,7 @@ impl Grid {
                 bands.iter().map(|(_, shares)| (1.5 / shares.iter().sum::<f32>().max(1e-6)).min(1.0)).collect()
             }
         };
+        let weights = vec![1.0 / freedom.len() as f32; wanted.len()];
         Self {
             size,
             frames,
@@ -84,7 +86,7 @@ impl Grid {
             threshold: Vec::new(),
             wanted_loudness: wanted,
             floor,
-            weights: Vec::new(),
+            weights,
         }
     }
 
@@ -157,13 +159,13 @@ impl Grid {
 }
 
 /// Powers of the cells of a frame.
+#[inline(always)]
 pub(super) fn powers(cells: &Cells, power: &[f32]) -> Vec<f32> {
     match cells {
         Cells::Bins => power.to_vec(),
-        Cells::Bands(bands) => bands
-            .iter()
-            .map(|(first, shares)| power.iter().skip(*first).zip(shares).map(|(power, share)| power * share).sum())
-            .collect(),
+        Cells::Bands(bands) => {
+            bands.iter().map(|(first, shares)| dot(power.get(*first..).unwrap_or(&[]), shares)).collect()
+        }
     }
 }
 

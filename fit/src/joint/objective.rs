@@ -1,7 +1,7 @@
 //! The distance that the descent lowers, over several grids of frames.
 
 use super::LOUDEST;
-use super::cell::{Cell, Moments};
+use super::cell::Moments;
 use super::grid::{Cells, Frame, Grid, LEAST_SQUARE, LOUDNESS, bands};
 use super::noise::{Fall, NoiseGrid};
 use super::response::Response;
@@ -10,10 +10,11 @@ use super::split::Split;
 use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
 use crate::hearing::{LOUDNESS_S, Partial, Partials};
+use crate::vectors::{dot, sum, vectorized};
 use fourier::Complex;
 
 /// Weight of the log-spectral distance of the first 0.25 s, for each of its two window sizes.
-const LSD_WEIGHT: f64 = 2.0;
+const LSD_WEIGHT: f64 = 4.0;
 /// Weights of the ERB distance: of the whole strike, and of its first 0.25 s.
 const ERB_WEIGHT: f64 = 1.0;
 const EARLY_ERB_WEIGHT: f64 = 0.5;
@@ -22,7 +23,7 @@ const LOUDNESS_WEIGHT: f64 = 6.0;
 /// Weight of the attack's frames of 128 samples.
 const ATTACK_WEIGHT: f64 = 0.3;
 /// Weight of the levels of partials, in long frames.
-const PARTIALS_WEIGHT: f64 = 0.3;
+const PARTIALS_WEIGHT: f64 = 0.15;
 /// Times at which the frames of partials begin behind the onset, in seconds.
 const PARTIALS_S: [f64; 6] = [0.005, 0.1, 0.22, 0.4, 0.65, 1.0];
 /// Weight of the levels of the loudest partials.
@@ -188,34 +189,51 @@ impl Part {
         let falls: Vec<Vec<Fall>> = noise.iter().map(|band| self.noise.falls(band.decay_db_per_s)).collect();
         let fall =
             |band: usize, frame: usize| falls.get(band).and_then(|falls| falls.get(frame)).copied().unwrap_or_default();
-        let count = self.grid.cell_count();
         let whole_loudness = if self.grid.threshold.is_empty() { 1.0 } else { self.whole_loudness() };
-        let mut powers = vec![0.0f32; count];
         for frame in 0..self.grid.frames.len() {
             let spectrum = self.spectra.folded(frame);
-            powers.fill(0.0);
-            for (band, its) in noise.iter().enumerate().filter(|(_, its)| its.weight > 0.0) {
-                let (first, shares) = self.noise.powers(band, frame);
-                let power = (its.weight * its.weight) as f32 * fall(band, frame).0;
-                for (sum, share) in powers.iter_mut().skip(first).zip(shares) {
-                    *sum += power * share;
-                }
-            }
-            let (distance, slope, by_noise) = self.compare(frame, &spectrum, &powers, whole_loudness);
-            total.distance += distance;
-            for (band, its) in noise.iter().enumerate() {
-                let (first, shares) = self.noise.powers(band, frame);
-                let along: f32 = by_noise.iter().skip(first).zip(shares).map(|(slope, share)| slope * share).sum();
-                let (left, bend) = fall(band, frame);
-                total.bands[band].by_power += f64::from(along * left);
-                total.bands[band].by_decay += f64::from(along * bend) * its.weight * its.weight;
-            }
+            let slope = vectorized(
+                #[inline(always)]
+                || self.add_frame(frame, &spectrum, noise, fall, whole_loudness, total),
+            );
             self.spectra.put_slope(frame, &slope);
         }
         total.force_gain += self.spectra.gather();
         for ((shape, gain), slopes) in shapes.iter().zip(gains).zip(&mut total.modes) {
             self.spectra.slopes(shape, *gain, slopes);
         }
+    }
+
+    /// Adds a frame's distance and its derivatives by the noise; gives its slope by the bins of the
+    /// modes' spectrum.
+    #[inline(always)]
+    fn add_frame(
+        &self,
+        frame: usize,
+        spectrum: &Split,
+        noise: &[Band],
+        fall: impl Fn(usize, usize) -> Fall,
+        whole_loudness: f32,
+        total: &mut Slope,
+    ) -> Split {
+        let mut powers = vec![0.0f32; self.grid.cell_count()];
+        for (band, its) in noise.iter().enumerate().filter(|(_, its)| its.weight > 0.0) {
+            let (first, shares) = self.noise.powers(band, frame);
+            let power = (its.weight * its.weight) as f32 * fall(band, frame).0;
+            for (sum, share) in powers.iter_mut().skip(first).zip(shares) {
+                *sum += power * share;
+            }
+        }
+        let (distance, slope, by_noise) = self.compare(frame, spectrum, &powers, whole_loudness);
+        total.distance += distance;
+        for (band, its) in noise.iter().enumerate() {
+            let (first, shares) = self.noise.powers(band, frame);
+            let along = dot(by_noise.get(first..).unwrap_or(&[]), shares);
+            let (left, bend) = fall(band, frame);
+            total.bands[band].by_power += f64::from(along * left);
+            total.bands[band].by_decay += f64::from(along * bend) * its.weight * its.weight;
+        }
+        slope
     }
 
     /// Wanted loudness of all frames, each as often as it stands for.
@@ -232,35 +250,38 @@ impl Part {
 
     /// Distance of a frame, its slope by the bins of the modes' spectrum, and that by the noise's
     /// power in each cell.
+    #[inline(always)]
     fn compare(&self, frame: usize, spectrum: &Split, noise: &[f32], whole_loudness: f32) -> (f64, Split, Vec<f32>) {
         let count = self.grid.cell_count();
         let bins: Vec<f32> = spectrum.re.iter().zip(&spectrum.im).map(|(re, im)| re * re + im * im).collect();
         let modes = super::grid::powers(&self.grid.cells, &bins);
-        let wanted = &self.grid.wanted_ln[frame * count..(frame + 1) * count];
+        let of_frame = frame * count..(frame + 1) * count;
+        let (wanted, weights) = (&self.grid.wanted_ln[of_frame.clone()], &self.grid.weights[of_frame]);
         let place = self.grid.frames[frame];
-        let moments: Vec<Moments> = (0..count)
-            .map(|cell| Moments::new(modes[cell], noise[cell], self.grid.floor, self.grid.freedom[cell]))
+        let moments: Vec<Moments> = (modes.iter().zip(noise))
+            .zip(&self.grid.freedom)
+            .map(|((&modes, &noise), &freedom)| Moments::new(modes, noise, self.grid.floor, freedom))
             .collect();
-        let cells: Vec<Cell> = moments.iter().zip(wanted).map(|(moments, wanted)| moments.cell(*wanted)).collect();
-        let even = [1.0 / count as f32];
-        let weights = if self.grid.weights.is_empty() {
-            even.iter().cycle().take(count)
-        } else {
-            self.grid.weights[frame * count..(frame + 1) * count].iter().cycle().take(count)
-        };
-        let mean = cells.iter().zip(weights.clone()).map(|(cell, weight)| weight * cell.square).sum::<f32>();
-        let rms = (mean + LEAST_SQUARE).sqrt();
+        // Logarithms have a loop of their own: they are calls, which would keep the other from
+        // being one of vectors.
+        let over: Vec<f32> = moments.iter().zip(wanted).map(|(moments, wanted)| moments.mean.ln() - wanted).collect();
+        let (mut squares, mut by_modes, mut by_noise) = (vec![0.0f32; count], vec![0.0f32; count], vec![0.0f32; count]);
+        let slopes = by_modes.iter_mut().zip(&mut by_noise);
+        let cells = moments.iter().zip(&over).map(|(moments, over)| moments.cell(*over));
+        for (((square, (by_modes, by_noise)), cell), weight) in squares.iter_mut().zip(slopes).zip(cells).zip(weights) {
+            *square = weight * cell.square;
+            *by_modes = weight * cell.by_modes;
+            *by_noise = weight * cell.by_noise;
+        }
+        let rms = (sum(&squares) + LEAST_SQUARE).sqrt();
         let factor = place.weight / (2.0 * rms);
         let mut distance = f64::from(place.weight * rms);
-        let times = |of: fn(&Cell) -> f32| -> Vec<f32> {
-            cells.iter().zip(weights.clone()).map(|(cell, weight)| factor * weight * of(cell)).collect()
-        };
-        let (mut by_modes, mut by_noise) = (times(|cell| cell.by_modes), times(|cell| cell.by_noise));
+        by_modes.iter_mut().chain(&mut by_noise).for_each(|slope| *slope *= factor);
         if !self.grid.threshold.is_empty() {
             let share = place.loudness_weight / whole_loudness;
             let wanted = &self.grid.wanted_loudness[frame * count..(frame + 1) * count];
             for cell in 0..count {
-                let Moments { mean, variance, by_modes: more_modes, by_noise: more_noise } = moments[cell];
+                let Moments { mean, variance, by_modes: more_modes, by_noise: more_noise, .. } = moments[cell];
                 // The floor belongs to the distance in dB alone.
                 let power = (mean - self.grid.floor).max(0.0);
                 let over = 1.0 + power / self.grid.threshold[cell];
@@ -279,6 +300,7 @@ impl Part {
     }
 
     /// Slope by the complex bins, from that by the powers of the cells.
+    #[inline(always)]
     fn by_bin(&self, spectrum: &Split, by_cell: &[f32]) -> Split {
         let mut by_power = vec![0.0f32; spectrum.re.len()];
         match &self.grid.cells {

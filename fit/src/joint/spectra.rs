@@ -18,8 +18,9 @@
 use fourier::Complex;
 
 use super::grid::Grid;
-use super::response::Response;
-use super::split::{C32, Split, hann_of};
+use super::response::{Powers, Response};
+use super::split::{C32, Split, Wide, hann_of, windowed};
+use crate::vectors::vectorized;
 
 /// Bins below 0 and above half the rate that are kept of modes behind the force.
 const MARGIN: usize = 24;
@@ -37,10 +38,8 @@ pub(super) struct Spectra {
     /// Sum of all modes' `g D / 2`, for the force within the frames.
     common: Split,
     frames: Vec<Place>,
-    /// Frame behind the force that begins where each frame ends, if there is one.
-    next: Vec<Option<usize>>,
     force: Vec<Split>,
-    twiddles: Vec<C64>,
+    twiddles: Wide,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +74,8 @@ pub(super) struct Slopes {
 impl Spectra {
     pub(super) fn new(grid: &Grid, force: &[f64]) -> Self {
         let size = grid.size;
-        let twiddles: Vec<C64> =
-            (0..size).map(|k| C64::from_polar(1.0, -std::f64::consts::TAU * k as f64 / size as f64)).collect();
+        let angles = (0..size).map(|k| -std::f64::consts::TAU * k as f64 / size as f64);
+        let twiddles = Wide { re: angles.clone().map(f64::cos).collect(), im: angles.map(f64::sin).collect() };
         let (mut ringing, mut onsets) = (0, Vec::new());
         let frames: Vec<Place> = grid
             .frames
@@ -92,9 +91,6 @@ impl Spectra {
                 }
             })
             .collect();
-        let begins_at = |wanted: i64| move |place: &Place| matches!(*place, Place::Ringing(_, at) if at == wanted);
-        let next = grid.frames.iter().map(|frame| frames.iter().position(begins_at(frame.start + size as i64)));
-        let next = next.collect();
         // One bin more on either side, which the window needs.
         let extent = 2 * grid.bins() + 1;
         let spectrum_of_force = |start: &i64| {
@@ -105,7 +101,7 @@ impl Spectra {
                 for (m, force) in force.iter().enumerate() {
                     let at = m as i64 - start;
                     if (0..size as i64).contains(&at) {
-                        sum += twiddles[(bin * at).rem_euclid(size as i64) as usize] * *force;
+                        sum += twiddles.at((bin * at).rem_euclid(size as i64) as usize) * *force;
                     }
                 }
                 spectrum.push(sum);
@@ -119,7 +115,6 @@ impl Spectra {
             common: Split::zeros(if onsets.is_empty() { 0 } else { extent }),
             force: onsets.iter().map(spectrum_of_force).collect(),
             frames,
-            next,
             twiddles,
         }
     }
@@ -130,19 +125,25 @@ impl Spectra {
 
     /// `D` at a bin of any sign.
     fn pole_response(&self, z: C64, bin: i64) -> C64 {
-        (C64::new(1.0, 0.0) - z * self.twiddles[bin.rem_euclid(self.size as i64) as usize]).inv()
+        (C64::new(1.0, 0.0) - z * self.twiddles.at(bin.rem_euclid(self.size as i64) as usize)).inv()
     }
 
     /// `D` at the bins from `from` to `to`.
-    fn pole_responses(&self, z: C64, from: i64, to: i64) -> Vec<C64> {
+    #[inline(always)]
+    fn pole_responses(&self, z: C64, from: i64, to: i64) -> Wide {
         let count = usize::try_from(to - from + 1).unwrap_or(0);
-        let mut responses = Vec::with_capacity(count);
-        let mut first = from.rem_euclid(self.size as i64) as usize;
-        while responses.len() < count {
-            let last = self.size.min(first + count - responses.len());
-            let twiddles = &self.twiddles[first..last];
-            responses.extend(twiddles.iter().map(|twiddle| (C64::new(1.0, 0.0) - z * twiddle).inv()));
-            first = 0;
+        let mut responses = Wide { re: vec![0.0; count], im: vec![0.0; count] };
+        let (mut first, mut done) = (from.rem_euclid(self.size as i64) as usize, 0);
+        while done < count {
+            let length = (self.size - first).min(count - done);
+            let twiddles = self.twiddles.re[first..first + length].iter().zip(&self.twiddles.im[first..first + length]);
+            let re = responses.re[done..done + length].iter_mut();
+            for ((re, im), (cos, sin)) in re.zip(&mut responses.im[done..done + length]).zip(twiddles) {
+                let (x, y) = (1.0 - (z.re * cos - z.im * sin), z.re * sin + z.im * cos);
+                let scale = 1.0 / (x * x + y * y);
+                (*re, *im) = (x * scale, y * scale);
+            }
+            (first, done) = (0, done + length);
         }
         responses
     }
@@ -163,30 +164,41 @@ impl Spectra {
         let skirt = size as f64 / (2.0 * std::f64::consts::TAU);
         let reach = (1.5 + (skirt / (peak * NEGLIGIBLE)).cbrt()).ceil().min(size as f64) as i64;
         let (from, to) = ((centre - reach).max(lowest), (centre + reach).min(highest));
-        let values = self.pole_responses(z, from - 1, to + 1);
-        let (hann, hann_slope) = (windowed(&values), windowed(&bent(&values)));
+        let [hann, hann_slope] = vectorized(
+            #[inline(always)]
+            || {
+                let values = self.pole_responses(z, from - 1, to + 1);
+                [windowed(&values), windowed(&values.bent())]
+            },
+        );
         let (mut full, mut full_slope) = (Split::default(), Split::default());
         if !self.onsets.is_empty() {
             let edge = self.bins() as i64;
-            let values = self.pole_responses(z, -edge, edge);
-            (full, full_slope) = (Split::of(&values), Split::of(&bent(&values)));
+            [full, full_slope] = vectorized(
+                #[inline(always)]
+                || {
+                    let values = self.pole_responses(z, -edge, edge);
+                    [values.narrow(), values.bent().narrow()]
+                },
+            );
         }
         let since = |start: i64| (start - (response.head.len() as i64 - 1)) as f64;
+        let mut powers = Powers::of(response.log_pole);
+        let frame_power = (response.log_pole * self.size as f64).exp();
+        let mut ends = Vec::with_capacity(self.frames.len());
         let state_at = |place: &Place| match *place {
-            Place::Ringing(_, start) => response.ringing(since(start)),
-            Place::Onset(_, start) => response.state(start),
+            Place::Ringing(_, start) => {
+                let power = powers.at(since(start));
+                ends.push(response.ringing(since(start) + self.size as f64, power * frame_power));
+                response.ringing(since(start), power)
+            }
+            Place::Onset(_, start) => {
+                ends.push(response.state(start + size));
+                response.state(start)
+            }
         };
         let begins: Vec<[C64; 2]> = self.frames.iter().map(state_at).collect();
-        let amplitude = |(index, place): (usize, &Place)| {
-            let [begin, begin_slope] = begins[index];
-            let [end, end_slope] = match *place {
-                // A frame ends in the state in which the frame behind it begins, if there is one.
-                Place::Ringing(_, start) => match self.next[index] {
-                    Some(next) => begins[next],
-                    None => response.ringing(since(start) + self.size as f64),
-                },
-                Place::Onset(_, start) => response.state(start + size),
-            };
+        let amplitude = |([begin, begin_slope], [end, end_slope]): (&[C64; 2], &[C64; 2])| {
             [begin - end, begin_slope - end_slope].map(|value| C32::new(value.re as f32, value.im as f32))
         };
         Shape {
@@ -195,7 +207,7 @@ impl Spectra {
             hann_slope,
             full,
             full_slope,
-            amplitudes: self.frames.iter().enumerate().map(amplitude).collect(),
+            amplitudes: begins.iter().zip(&ends).map(amplitude).collect(),
         }
     }
 
@@ -203,6 +215,23 @@ impl Spectra {
     pub(super) fn sum(&mut self, shapes: &[Shape], gains: &[C64], force_gain: f64) {
         self.ringing.iter_mut().chain(&mut self.onsets).for_each(Split::clear);
         self.common.clear();
+        vectorized(
+            #[inline(always)]
+            || self.add_modes(shapes, gains),
+        );
+        let half = 0.5 * force_gain as f32;
+        for (spectrum, force) in self.onsets.iter_mut().zip(&self.force) {
+            for index in 0..spectrum.re.len() {
+                let value = force.at(index) * (self.common.at(index) + half);
+                spectrum.re[index] += value.re;
+                spectrum.im[index] += value.im;
+            }
+        }
+    }
+
+    /// Adds all modes, but for the force within the frames.
+    #[inline(always)]
+    fn add_modes(&mut self, shapes: &[Shape], gains: &[C64]) {
         for (shape, gain) in shapes.iter().zip(gains) {
             let half = C32::new(0.5 * gain.re as f32, 0.5 * gain.im as f32);
             for (place, [amplitude, _]) in self.frames.iter().zip(&shape.amplitudes) {
@@ -215,14 +244,6 @@ impl Spectra {
             }
             if !shape.full.re.is_empty() {
                 self.common.add(half, &shape.full, 0);
-            }
-        }
-        let half = 0.5 * force_gain as f32;
-        for (spectrum, force) in self.onsets.iter_mut().zip(&self.force) {
-            for index in 0..spectrum.re.len() {
-                let value = force.at(index) * (self.common.at(index) + half);
-                spectrum.re[index] += value.re;
-                spectrum.im[index] += value.im;
             }
         }
     }
@@ -316,21 +337,10 @@ impl Spectra {
 
     /// Adds the derivatives by a mode's numbers.
     pub(super) fn slopes(&self, shape: &Shape, gain: C64, slopes: &mut Slopes) {
-        let (mut plain, mut bent) = (C64::new(0.0, 0.0), C64::new(0.0, 0.0));
-        let wide = |value: C32| C64::new(f64::from(value.re), f64::from(value.im));
-        for (place, [amplitude, amplitude_slope]) in self.frames.iter().zip(&shape.amplitudes) {
-            let (slope, shapes, first) = match *place {
-                Place::Ringing(index, _) => (&self.ringing[index], [&shape.hann, &shape.hann_slope], shape.first),
-                Place::Onset(index, _) => (&self.onsets[index], [&shape.full, &shape.full_slope], 0),
-            };
-            let [along, along_slope] = shapes.map(|shape| slope.dot(shape, first));
-            plain += wide(along * amplitude);
-            bent += wide(along * amplitude_slope + along_slope * amplitude);
-        }
-        if !shape.full.re.is_empty() {
-            plain += wide(self.common.dot(&shape.full, 0));
-            bent += wide(self.common.dot(&shape.full_slope, 0));
-        }
+        let [plain, bent] = vectorized(
+            #[inline(always)]
+            || self.along(shape),
+        );
         // dJ = Re(plain dg)/2, dJ = Re(bent g d(ln z))/2 with d(ln z) = -d(decay) + j d(angular).
         slopes.gain[0] += 0.5 * plain.re;
         slopes.gain[1] -= 0.5 * plain.im;
@@ -338,17 +348,27 @@ impl Spectra {
         slopes.pole[0] -= 0.5 * turned.re;
         slopes.pole[1] -= 0.5 * turned.im;
     }
-}
 
-/// Derivatives of `D` by `ln z`: `D² - D`.
-fn bent(values: &[C64]) -> Vec<C64> {
-    values.iter().map(|value| value * value - value).collect()
-}
-
-/// Values under a Hann window, without the first and the last.
-fn windowed(values: &[C64]) -> Split {
-    let windowed = |three: &[C64]| three[1] * 0.5 - (three[0] + three[2]) * 0.25;
-    Split::of(&values.windows(3).map(windowed).collect::<Vec<C64>>())
+    /// Sums of the frames' slopes along a mode's spectrum, and along its derivative by `ln z`.
+    #[inline(always)]
+    fn along(&self, shape: &Shape) -> [C64; 2] {
+        let (mut plain, mut bent) = (C64::new(0.0, 0.0), C64::new(0.0, 0.0));
+        let wide = |value: C32| C64::new(f64::from(value.re), f64::from(value.im));
+        for (place, [amplitude, amplitude_slope]) in self.frames.iter().zip(&shape.amplitudes) {
+            let (slope, shapes, first) = match *place {
+                Place::Ringing(index, _) => (&self.ringing[index], [&shape.hann, &shape.hann_slope], shape.first),
+                Place::Onset(index, _) => (&self.onsets[index], [&shape.full, &shape.full_slope], 0),
+            };
+            let (along, along_slope) = (slope.dot(shapes[0], first), slope.dot(shapes[1], first));
+            plain += wide(along * amplitude);
+            bent += wide(along * amplitude_slope + along_slope * amplitude);
+        }
+        if !shape.full.re.is_empty() {
+            plain += wide(self.common.dot(&shape.full, 0));
+            bent += wide(self.common.dot(&shape.full_slope, 0));
+        }
+        [plain, bent]
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use nalgebra::Complex;
 
+use crate::vectors::vectorized;
+
 /// A pole `z = e^{-decay + j angular}`, both per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pole {
@@ -46,6 +48,7 @@ pub(crate) struct PowerBlock {
 }
 
 impl PowerBlock {
+    #[inline(always)]
     pub(crate) fn new(pole: Pole) -> Self {
         let mut block = Self { re: [0.0; BLOCK], im: [0.0; BLOCK] };
         block.re[0] = 1.0;
@@ -64,6 +67,7 @@ impl PowerBlock {
     }
 
     /// Sums `[Σ x zⁱ, Σ i x zⁱ]` over at most a block of samples.
+    #[inline(always)]
     fn weigh(&self, samples: &[f64]) -> [Complex<f64>; 2] {
         let (mut re, mut im, mut re_n, mut im_n) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
         let mut index = [0.0, 1.0, 2.0, 3.0];
@@ -89,6 +93,7 @@ impl PowerBlock {
         [Complex::new(sum(re), sum(im)), Complex::new(sum(re_n), sum(im_n))]
     }
 
+    #[inline(always)]
     fn add(&self, factor: Complex<f64>, samples: &mut [f64]) {
         for ((x, re), im) in samples.iter_mut().zip(&self.re).zip(&self.im) {
             *x += factor.re * re - factor.im * im;
@@ -98,23 +103,35 @@ impl PowerBlock {
 
 /// Sums `[Σ x[n] zⁿ, Σ n x[n] zⁿ]`.
 pub(crate) fn project(pole: Pole, samples: &[f64]) -> [Complex<f64>; 2] {
-    let block = PowerBlock::new(pole);
-    let mut sums = [Complex::new(0.0, 0.0); 2];
-    for (index, samples) in samples[..pole.lasting(samples.len())].chunks(BLOCK).enumerate() {
-        let start = (index * BLOCK) as f64;
-        let power = pole.power(start);
-        let [plain, ramp] = block.weigh(samples);
-        sums[0] += power * plain;
-        sums[1] += power * (ramp + plain * start);
-    }
-    sums
+    let samples = &samples[..pole.lasting(samples.len())];
+    vectorized(
+        #[inline(always)]
+        || {
+            let block = PowerBlock::new(pole);
+            let mut sums = [Complex::new(0.0, 0.0); 2];
+            for (index, samples) in samples.chunks(BLOCK).enumerate() {
+                let start = (index * BLOCK) as f64;
+                let power = pole.power(start);
+                let [plain, ramp] = block.weigh(samples);
+                sums[0] += power * plain;
+                sums[1] += power * (ramp + plain * start);
+            }
+            sums
+        },
+    )
 }
 
 /// Adds `Re(gain zⁿ)` to the samples.
 pub(crate) fn add_ringing(pole: Pole, gain: Complex<f64>, samples: &mut [f64]) {
-    let block = PowerBlock::new(pole);
     let lasting = pole.lasting(samples.len());
-    for (index, samples) in samples[..lasting].chunks_mut(BLOCK).enumerate() {
-        block.add(gain * pole.power((index * BLOCK) as f64), samples);
-    }
+    let samples = &mut samples[..lasting];
+    vectorized(
+        #[inline(always)]
+        || {
+            let block = PowerBlock::new(pole);
+            for (index, samples) in samples.chunks_mut(BLOCK).enumerate() {
+                block.add(gain * pole.power((index * BLOCK) as f64), samples);
+            }
+        },
+    );
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use fourier::Complex;
+
 use crate::hearing::Partial;
 use crate::modes::DampedSine;
 
@@ -79,17 +81,22 @@ fn size_at(strike: &[f64], angular: f64, from: usize) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (n, x) in strike.iter().skip(from).take(SIZE).enumerate() {
         let (sine, cosine) = (angular * n as f64).sin_cos();
-        re += x * hann(n) * cosine;
-        im += x * hann(n) * sine;
+        let weighed = x * hann(n);
+        re += weighed * cosine;
+        im += weighed * sine;
     }
     re.hypot(im).max(f64::MIN_POSITIVE) * 4.0 / SIZE as f64
 }
 
 /// Share of its amplitude that a mode has in the spectrum that begins at a sample; the decay is per
 /// sample.
+///
+/// `Σ h[n] e^(-d(s+n)) = e^(-ds) (1 - e^(-dN))/2 · (1/(1 - e^-d) - Re 1/(1 - e^(-d + 2πj/N)))`.
 fn left_at(decay: f64, from: usize) -> f64 {
-    let weighed = (0..SIZE).map(|n| hann(n) * (-decay * (from + n) as f64).exp());
-    weighed.sum::<f64>() * 2.0 / SIZE as f64
+    let decay = decay.max(f64::EPSILON);
+    let turned = (Complex::new(1.0, 0.0) - Complex::new(-decay, TAU / SIZE as f64).exp()).inv().re;
+    let sum = -0.5 * (-decay * SIZE as f64).exp_m1() * (-1.0 / (-decay).exp_m1() - turned);
+    (-decay * from as f64).exp() * sum * 2.0 / SIZE as f64
 }
 
 /// Hann window of a spectrum at a sample, 0 to 1.
@@ -107,6 +114,15 @@ mod tests {
     fn with_partials_of(strike: &[f64], modes: Vec<DampedSine>, most: usize) -> Vec<DampedSine> {
         let partials = Partials::new(&[], strike, 44_100.0).loudest(LOUDEST);
         with_partials(modes, &partials, strike, 44_100.0, most)
+    }
+
+    #[test]
+    fn share_of_a_mode_in_a_spectrum_is_the_sum_over_its_samples() {
+        for (decay, from) in [(1e-9, 0), (2e-5, 4_000), (1e-3, 100), (0.2, 3)] {
+            let weighed = (0..SIZE).map(|n| hann(n) * (-decay * (from + n) as f64).exp());
+            let summed = weighed.sum::<f64>() * 2.0 / SIZE as f64;
+            assert!((left_at(decay, from) / summed - 1.0).abs() < 1e-6, "{decay} {from}: {summed}");
+        }
     }
 
     fn sine(frequency_hz: f64, decay_per_s: f64, amplitude: f64) -> DampedSine {
