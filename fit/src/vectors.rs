@@ -38,3 +38,24 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter_mut().zip(a_rest.iter().zip(b_rest)).for_each(|(sum, (a, b))| *sum += a * b);
     sums.iter().sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    #[test]
+    fn sums_have_the_same_bits_with_vectors_of_any_width() {
+        let mut random = SplitMix64(7);
+        for length in [0, 1, 7, 8, 9, 64, 1023] {
+            let [a, b] = [0; 2].map(|_| (0..length).map(|_| random.normal() as f32).collect::<Vec<f32>>());
+            let wide = vectorized(
+                #[inline(always)]
+                || [sum(&a), dot(&a, &b)],
+            );
+            let plain: f64 = a.iter().zip(&b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+            assert_eq!(wide.map(f32::to_bits), [sum(&a), dot(&a, &b)].map(f32::to_bits), "{length}");
+            assert!((f64::from(wide[1]) - plain).abs() < 1e-4, "{length}: {wide:?} for {plain}");
+        }
+    }
+}
