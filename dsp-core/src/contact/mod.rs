@@ -15,6 +15,8 @@
 //! that ends there. So the impulse is exact at any onset; highest frequencies droop by sinc(f/fs).
 
 pub mod active;
+mod angle;
+mod kernel;
 pub mod law;
 mod ongoing;
 pub mod pulse;

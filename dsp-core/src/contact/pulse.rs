@@ -2,7 +2,8 @@
 
 use core::num::NonZeroU32;
 
-use super::shape::{MAX_SHAPE, SHAPE_BITS, cos_half_pi_sqrt, negated_square, sinc_half_pi_sqrt};
+use super::angle::{Angle, Width};
+use super::shape::MAX_SHAPE;
 use crate::fixed::{self, Log2, ONE_Q27};
 use crate::square_root::rounded_root;
 
@@ -42,6 +43,7 @@ pub struct Asymmetry {
 ///
 /// The mean about the middle m is `sin(πm) (even + odd cos(πm))`.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct Means {
     /// Coefficient of `sin(πm)`, Q29, 0 to 1.
     even: i32,
@@ -109,24 +111,27 @@ impl Pulse {
 }
 
 impl Asymmetry {
+    /// Skew A, Q31.
+    #[cfg(test)]
+    pub(super) fn skew(self) -> i32 {
+        self.skew
+    }
+
     /// Coefficients of the means over intervals of a width, of which the pulse fills a share.
     ///
-    /// `width` is a fraction of the pulse, at most 1 = [`WHOLE`]. `share` is the part of a sample's
-    /// interval that the pulse fills, Q31, 0 to 1.
+    /// `share` is the part of a sample's interval that the pulse fills, Q31, 0 to 1.
     ///
     /// Let the pulse fill the width w about the middle m of a sample, with `share = w τ fs`. The
     /// mean is `share N [sinc(w/2) sin(πm) + A/2 sinc(w) sin(2πm)]`. With P(w) = `sin(πw/2)/w` that
     /// is `share (2N/π) P(w) sin(πm) [1 + A cos(πw/2) cos(πm)]`: no difference of nearly equal
     /// numbers, however long or short the contact.
-    pub(super) fn means(self, width: u64, share: u32) -> Means {
-        // Q31; 1.0 itself lies a step above.
-        let width = i64::from((width >> 27).min(i32::MAX as u64) as i32);
-        let minus_z = -((width * width) >> 31) as i32;
+    #[inline(never)] // one for all
+    pub(super) fn means(self, width: Width, share: u32) -> Means {
         // At most (2/π) 2^31 · 2^31, then times P < 2 in Q29: below 2^62.
         let filled = (u64::from(self.area.get()) * u64::from(share)) >> 31;
-        let even = (filled as i64 * i64::from(sinc_half_pi_sqrt(minus_z)) + (1 << 30)) >> 31;
+        let even = (filled as i64 * i64::from(width.sinc) + (1 << 30)) >> 31;
         // At most 2^31 · 2^31.
-        let odd = (((even * i64::from(cos_half_pi_sqrt(minus_z))) >> 27) * i64::from(self.skew) + (1 << 30)) >> 31;
+        let odd = (((even * i64::from(width.cosine)) >> 27) * i64::from(self.skew) + (1 << 30)) >> 31;
         Means { even: even as i32, odd: odd.min(i32::MAX.into()) as i32 }
     }
 
@@ -138,7 +143,7 @@ impl Asymmetry {
         let (from, to) = (end.saturating_sub(step).min(WHOLE), end.min(WHOLE));
         let width = to - from;
         let middle = ((from + to) >> 27).min(u64::from(u32::MAX));
-        self.means(width, q31_ratio(width, step)).about(middle as u32)
+        self.means(Width::new(width), q31_ratio(width, step)).at(Angle::at(middle as u32))
     }
 }
 
@@ -160,25 +165,22 @@ fn q31_ratio(part: u64, whole: u64) -> u32 {
 }
 
 impl Means {
-    /// Mean about a middle (2^32 = 1), Q29, 0 to below 1. The error is at most 1e-8 of the peak.
+    /// Mean about a middle, Q29, 0 to below 1. The error is at most 1e-8 of the peak, that of the
+    /// angle included.
     ///
     /// [`crate::engine::CostItem::ContactFrame`] counts its cycles.
     #[inline(always)]
-    pub(super) fn about(self, middle: u32) -> i32 {
-        let from_middle = (middle ^ 0x8000_0000) as i32; // y = 2m - 1, Q31
-        let minus_z = negated_square(from_middle);
-        // sin(πm) = cos(π/2 y), cos(πm) = -sin(π/2 y) = -y P(y²). `odd` below 0.77 and P below 1.58
-        // give less than 2 in Q30; the bracket is at most 0.77 · 1.58 + 1 in Q29.
-        let odd = fixed::smmulr(self.odd, sinc_half_pi_sqrt(minus_z)) << 2;
-        let bracket = fixed::smmlsr(self.even, odd, from_middle);
-        let mean = (i64::from(cos_half_pi_sqrt(minus_z)) * i64::from(bracket)) >> SHAPE_BITS;
+    pub(super) fn at(self, angle: Angle) -> i32 {
+        // The bracket is at most 0.77 + 1 in Q29.
+        let bracket = fixed::smmlar(self.even, self.odd, angle.cosine());
+        let mean = (i64::from(angle.sine()) * i64::from(bracket)) >> 30;
         (mean as i32).clamp(0, MAX_SHAPE)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::gaussian;
+    use super::super::shape::{SHAPE_BITS, gaussian};
     use super::*;
     use core::f64::consts::PI;
 
@@ -256,9 +258,9 @@ mod tests {
                         let x = phase as f64 / WHOLE as f64;
                         let exact = (integral(x) - integral(x - h)) / h;
                         let edge = pulse.edge(phase, step);
-                        let inner = (step..=WHOLE)
-                            .contains(&phase)
-                            .then(|| pulse.means(step, 1 << 31).about(((phase - step / 2) >> 26) as u32));
+                        let inner = (step..=WHOLE).contains(&phase).then(|| {
+                            pulse.means(Width::new(step), 1 << 31).at(Angle::at(((phase - step / 2) >> 26) as u32))
+                        });
                         for got in core::iter::once(edge).chain(inner) {
                             worst = worst.max((f64::from(got) / 2f64.powi(29) - exact).abs());
                         }

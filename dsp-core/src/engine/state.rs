@@ -23,8 +23,8 @@ use crate::voice::{Form, Residual, Voice};
 pub(super) type Listening = Option<(Audience, UpcomingRun)>;
 
 /// Maximum number of impacts under way at once, in every engine: one more displaces the one
-/// nearest to its end. 64 are 1000 strikes a second on each of eight pads with contacts of 8 ms.
-pub const STANDARD_CONTACTS: usize = 64;
+/// nearest to its end. 48 are 750 strikes a second on each of eight pads with contacts of 8 ms.
+pub const STANDARD_CONTACTS: usize = 48;
 
 /// A force that excites a pad directly, sample by sample.
 #[derive(Clone, Copy, Debug)]
@@ -189,7 +189,7 @@ mod tests {
     use crate::resonator::{Group, Mode, Origin};
 
     #[test]
-    fn mode_and_group_take_24_bytes_origin_16_and_contact_32() {
+    fn mode_and_group_take_24_bytes_origin_16_and_contact_48() {
         std::println!(
             "voice {}, bank {}, mode {}, group {}, origin {}, contact {}, engine {}",
             size_of::<Voice<'_, '_>>(),
@@ -202,7 +202,7 @@ mod tests {
         );
         assert_eq!(
             (size_of::<Mode>(), size_of::<Group>(), size_of::<Origin>(), size_of::<Contact>()),
-            (24, 24, 16, 32)
+            (24, 24, 16, 48)
         );
     }
 }
