@@ -171,10 +171,35 @@ impl Bank<'_> {
         gains: Gains,
         out: &mut [[i32; 2]],
     ) -> Option<BankWork> {
-        let mut onset = None;
         if self.has_onset() {
-            onset = Some(self.onset_mix(force, gains.shift)?);
+            self.drive_stereo_with_onset(force, odd_start, gains, out)
+        } else {
+            self.drive_stereo(force, None, odd_start, gains, out)
         }
+    }
+
+    #[inline(never)] // its buffer must not weigh on banks without
+    fn drive_stereo_with_onset(
+        &mut self,
+        force: &[i32],
+        odd_start: bool,
+        gains: Gains,
+        out: &mut [[i32; 2]],
+    ) -> Option<BankWork> {
+        let mut onset = [0; TICK_FRAMES];
+        let is_within = self.onset_mix(force, gains.shift, &mut onset);
+        if is_within { self.drive_stereo(force, Some(&onset), odd_start, gains, out) } else { None }
+    }
+
+    #[inline(never)] // one for both
+    fn drive_stereo(
+        &mut self,
+        force: &[i32],
+        onset: Option<&Backward>,
+        odd_start: bool,
+        gains: Gains,
+        out: &mut [[i32; 2]],
+    ) -> Option<BankWork> {
         let sum = fixed::sum_of_magnitudes(force);
         self.allowance = self.allowance.checked_sub(sum).filter(|_| sum > 0)?;
         self.spent = self.spent.saturating_add(sum);
@@ -182,9 +207,9 @@ impl Bank<'_> {
         let stereo = self.stereo(gains, out);
         let mut shifted = self.shifted(force);
         if self.has_mirrored() {
-            self.drive_stereo_mirrored(run, (&mut shifted, onset.as_ref()), odd_start, stereo);
+            self.drive_stereo_mirrored(run, (&mut shifted, onset), odd_start, stereo);
         } else if let Some((groups, modes)) = self.plain() {
-            kernel::driven_stereo(groups, modes, run, &shifted, onset.as_ref(), stereo);
+            kernel::driven_stereo(groups, modes, run, &shifted, onset, stereo);
         }
         let driven_mode_frames = self.running_modes(true) * run.frames as u32;
         Some(BankWork { driven_mode_frames, refused: u32::from(self.refusing), ..BankWork::default() })
@@ -196,22 +221,21 @@ impl Bank<'_> {
         self.mix_shift.bits == 0 && u32::from(self.mix_bits) + pan_shift <= 30
     }
 
-    /// Direct addition of the force to the sound, if [`Bank::can_add_onset`] and its half of the
-    /// range suffices.
-    #[inline(never)] // its buffer must not weigh on banks without
-    fn onset_mix(&self, force: &[i32], pan_shift: u32) -> Option<Backward> {
+    /// Direct addition of the force to the sound. False if the bank is too loud for it
+    /// ([`Bank::can_add_onset`]), or its half of the range does not suffice.
+    fn onset_mix(&self, force: &[i32], pan_shift: u32, mix: &mut Backward) -> bool {
         if !self.can_add_onset(pan_shift) {
-            return None;
+            return false;
         }
-        let (onset, mut mix, mut signs) = (self.onset, [0; TICK_FRAMES], 0);
+        let (onset, mut signs) = (self.onset, 0);
+        let doublings = onset.doublings();
         for (sum, &x) in mix.iter_mut().rev().zip(force) {
             let undoubled = onset.undoubled(x);
-            *sum = undoubled.wrapping_shl(onset.doublings());
+            *sum = undoubled.wrapping_shl(doublings);
             signs |= undoubled ^ (undoubled >> 31);
         }
         // Only samples beyond the range lose bits by the shift.
-        let range_bits = 30u32.checked_sub(pan_shift + onset.doublings())?;
-        (signs < 1 << range_bits).then_some(mix)
+        30u32.checked_sub(pan_shift + doublings).is_some_and(|range_bits| signs < 1 << range_bits)
     }
 
     #[inline(never)] // its buffer must not weigh on banks without mirrored modes
@@ -315,6 +339,14 @@ impl Bank<'_> {
         let Some(mix) = mix.get(TICK_FRAMES.saturating_sub(out.len())..) else { return };
         let frames = out.iter_mut().zip(mix.iter().rev());
         match force.filter(|_| !self.onset.is_zero()) {
+            Some(force) if self.is_within_bus(mix, shift, force) => {
+                let (bits, doublings) = (u32::from(shift.bits), self.onset.doublings());
+                for ((out, &sum), &x) in frames.zip(force) {
+                    // Both are below 2^30.
+                    let at_once = self.onset.undoubled(x).wrapping_shl(doublings);
+                    *out = fixed::qadd(*out, sum.wrapping_shl(bits).wrapping_add(at_once));
+                }
+            }
             Some(force) => {
                 for ((out, &sum), &x) in frames.zip(force) {
                     let sound = (i64::from(sum) << shift.bits) + self.onset.apply(x);
@@ -323,6 +355,16 @@ impl Bank<'_> {
             }
             None => frames.for_each(|(out, &sum)| *out = fixed::qadd(*out, shift.to_bus(sum))),
         }
+    }
+
+    /// True if neither the mix nor the onset of a force reaches half the range of the bus. The
+    /// bounds that a guard knows are far above what most contacts make.
+    fn is_within_bus(&self, mix: &[i32], shift: MixShift, force: &[i32]) -> bool {
+        let bits = |samples: &[i32]| samples.iter().fold(0, |bits, x| bits | x ^ (x >> 31));
+        // A power of two less one: at least each magnitude of the force.
+        let bound = (i32::MAX as u32 >> bits(force).leading_zeros().saturating_sub(1)) as i32;
+        let most = u64::from(self.onset.undoubled(bound).unsigned_abs()) + 1;
+        shift.bits < 30 && bits(mix) < 1 << (30 - shift.bits) && most << self.onset.doublings() < 1 << 30
     }
 }
 
