@@ -159,15 +159,19 @@ impl<'m> Memory<'m> {
 
     /// Takes places for `count` items from the memory of `region`.
     fn take_places<T>(&mut self, region: Region, count: usize) -> Result<&'m mut [MaybeUninit<T>], OutOfMemory> {
-        let words = words_of::<T>(count);
+        Ok(places(self.take_words(region, words_of::<T>(count))?, count))
+    }
+
+    /// Takes words; none from a memory that only counts.
+    #[inline(never)] // one for items of all types
+    fn take_words(&mut self, region: Region, words: usize) -> Result<&'m mut [Word], OutOfMemory> {
         let region = self.book(region, words)?;
         if self.only_counts {
             return Ok(&mut []);
         }
         let memory = if region == Region::Fast { &mut self.fast } else { &mut self.bulk };
         // No more has been booked than there is.
-        let taken = memory.split_off_mut(..words).unwrap_or(&mut []);
-        Ok(places(taken, count))
+        Ok(memory.split_off_mut(..words).unwrap_or(&mut []))
     }
 
     /// Books words, and returns the memory that has them.
@@ -186,7 +190,9 @@ impl<'m> Memory<'m> {
 /// The words as places for `count` items, which they have room for.
 #[allow(unsafe_code)]
 fn places<T>(words: &mut [Word], count: usize) -> &mut [MaybeUninit<T>] {
-    let start = words.as_ptr().align_offset(align_of::<T>().max(align_of::<Word>()));
+    // Most items are aligned where words are.
+    let is_aligned = align_of::<T>() <= align_of::<Word>();
+    let start = if is_aligned { 0 } else { words.as_ptr().align_offset(align_of::<T>()) };
     let Some(words) = words.get_mut(start..).filter(|words| size_of_val(*words) >= count * size_of::<T>()) else {
         return &mut [];
     };

@@ -12,15 +12,10 @@ const BYTES: usize = 240;
 /// Mark of kept words. Memory holds other bits after power-on.
 const MARK: u32 = 0x4C61_7374;
 
-#[derive(Clone, Copy)]
-#[repr(C)]
-struct Kept {
-    mark: u32,
-    length: u32,
-    /// Complement of the length, by which bits at random are told apart.
-    check: u32,
-    text: [u8; BYTES],
-}
+/// Mark, length, its complement by which bits at random are told apart, and the text.
+///
+/// Words of memory, which are copied one by one: a volatile copy of bytes takes 2.8 KB of code.
+type Kept = [u32; 3 + BYTES / 4];
 
 struct Place(UnsafeCell<MaybeUninit<Kept>>);
 
@@ -52,21 +47,30 @@ pub fn keep(words: fmt::Arguments<'_>) {
     // Words that cannot be formatted are cut.
     let _ = written.write_fmt(words);
     let length = written.length as u32;
-    let kept = Kept { mark: MARK, length, check: !length, text: written.text };
-    // SAFETY: interrupts are disabled, and nothing else uses the place but `take` at the start.
-    unsafe { PLACE.0.get().cast::<Kept>().write_volatile(kept) };
+    let text = written.text.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+    let place = PLACE.0.get().cast::<u32>();
+    for (index, word) in [MARK, length, !length].into_iter().chain(text).enumerate() {
+        // SAFETY: the place has a word for each number and each four bytes of the text. Interrupts
+        // are disabled, and nothing else uses it but `take` at the start.
+        unsafe { place.add(index).write_volatile(word) };
+    }
 }
 
 /// Passes the words of the last run to `tell`, if it left any, and forgets them.
 pub fn take(tell: impl FnOnce(&str)) {
-    let place = PLACE.0.get().cast::<Kept>();
-    // SAFETY: all bits are a valid `Kept`, and only `keep` uses the place at other times. The read
-    // is volatile since a run before this one wrote the bits.
-    let kept = unsafe { place.read_volatile() };
-    if kept.mark == MARK && kept.check == !kept.length {
+    let place = PLACE.0.get().cast::<u32>();
+    let mut kept: Kept = [0; 3 + BYTES / 4];
+    for (index, word) in kept.iter_mut().enumerate() {
+        // SAFETY: all bits are a valid word, and only `keep` uses the place at other times. The
+        // read is volatile since a run before this one wrote the bits.
+        *word = unsafe { place.add(index).read_volatile() };
+    }
+    let [mark, length, check, text @ ..] = kept;
+    if mark == MARK && check == !length {
         // SAFETY: as above.
-        unsafe { place.cast::<u32>().write_volatile(0) };
-        let text = kept.text.get(..kept.length as usize).unwrap_or(&[]);
+        unsafe { place.write_volatile(0) };
+        let text = text.map(u32::to_le_bytes);
+        let text = text.as_flattened().get(..length as usize).unwrap_or(&[]);
         // Words may be cut within a letter.
         tell(core::str::from_utf8(text).unwrap_or("(no text)"));
     }
