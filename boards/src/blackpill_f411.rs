@@ -30,7 +30,7 @@ impl Board for BlackpillF411 {
     /// Less than a half of the DMA buffer, of which a tick with a strike takes most at 96 MHz.
     const LEAD_FRAMES: usize = 30;
     const INPUT_CYCLES: u32 = 11_000;
-    const WORST_PERCENT: u32 = 180;
+    const WORST_PERCENT: u32 = 190;
     const FRAME_WORST_PERCENT: u32 = 124;
     const STAGE_CYCLES: u32 = 17_600;
     /// Biquads and a room find too little time beside strikes at 96 MHz, and would take 69 of the

@@ -54,7 +54,7 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
 
 /// Cost items that no fit can tell apart, because they are rare or always come with others. Their
 /// cycles come from the profile. A kernel's cycle is one cycle by definition.
-const HELD: [CostItem; 9] = [
+const HELD: [CostItem; 8] = [
     CostItem::GuardedRingingGroup,
     CostItem::Strike,
     CostItem::DrivenFrame,
@@ -62,7 +62,6 @@ const HELD: [CostItem; 9] = [
     CostItem::Survey,
     CostItem::SurveyedGroup,
     CostItem::Look,
-    CostItem::PredictedGroup,
     CostItem::KernelCycle,
 ];
 

@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn force_follows_the_integral_to_1e_8_of_the_peak_with_the_same_bits_in_runs_of_any_length() {
+    fn force_follows_the_integral_to_1e_8_of_the_peak_in_runs_of_any_length() {
         let Pulse::Hertz(asymmetry) = Pulse::hertz(0.5) else { unreachable!("asked for this pulse") };
         let area = f64::from(Pulse::Hertz(asymmetry).area());
         let skew = f64::from(asymmetry.skew()) / 2f64.powi(31);

@@ -1,7 +1,12 @@
 //! Angle along a pulse: it turns by a part of half a turn each sample, by two products.
 
-use super::pulse::WHOLE;
 use super::shape::{cos_half_pi_sqrt, negated_square, sinc_half_pi_sqrt};
+
+/// Phase at the end of a contact, 1.0.
+///
+/// A contact may be as short as a 16th of a sample: the phase and a step beyond it still fit 64
+/// bits.
+pub const WHOLE: u64 = 1 << 58;
 
 /// Width of a sample's interval as a fraction w of the pulse, 0 to 1, and what is derived from it.
 #[derive(Clone, Copy, Debug)]

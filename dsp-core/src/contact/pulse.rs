@@ -2,16 +2,11 @@
 
 use core::num::NonZeroU32;
 
+pub use super::angle::WHOLE;
 use super::angle::{Angle, Width};
 use super::shape::MAX_SHAPE;
 use crate::fixed::{self, Log2, ONE_Q27};
 use crate::square_root::rounded_root;
-
-/// Phase at the end of a contact, 1.0.
-///
-/// A contact may be as short as a 16th of a sample: the phase and a step beyond it still fit 64
-/// bits.
-pub const WHOLE: u64 = 1 << 58;
 
 /// Shape of the contact force over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -59,8 +59,6 @@ pub enum CostItem {
     SurveyedGroup,
     /// Prediction of a run's cost.
     Look,
-    /// Register group whose cost a prediction looks up.
-    PredictedGroup,
     /// Cycle of the modes' kernels, of which a [part](super::Setup::loop_percent) counts.
     KernelCycle,
     /// Strike that begins a residual.
@@ -84,39 +82,38 @@ pub const COST_ITEMS: usize = CostItem::IdleTick as usize + 1;
 /// one), and from profiles for items that a fit cannot tell apart.
 /// `cargo test -p host-tests --test on_chip budget` holds them to 3 %.
 pub const CYCLES: [u32; COST_ITEMS] = by_item([
-    (CostItem::Tick, 2000),
-    (CostItem::Pad, 490),
-    (CostItem::WakingPad, 462),
-    (CostItem::DueGroup, 118),
-    (CostItem::RingingPad, 1089),
-    (CostItem::BusPad, 1262),
-    (CostItem::BusFrame, 49),
-    (CostItem::StrikerBank, 826),
-    (CostItem::DrivenStrikerBank, 3170),
-    (CostItem::DrivenPad, 2820),
-    (CostItem::BusDrivenPad, 3722),
+    (CostItem::Tick, 1600),
+    (CostItem::Pad, 533),
+    (CostItem::WakingPad, 700),
+    (CostItem::DueGroup, 135),
+    (CostItem::RingingPad, 787),
+    (CostItem::BusPad, 880),
+    (CostItem::BusFrame, 39),
+    (CostItem::StrikerBank, 940),
+    (CostItem::DrivenStrikerBank, 3645),
+    (CostItem::DrivenPad, 2700),
+    (CostItem::BusDrivenPad, 3140),
     (CostItem::DrivenFrame, 20),
-    (CostItem::ContactFrame, 88),
-    (CostItem::DirectFrame, 17),
-    (CostItem::GuardedGroup, 430),
-    (CostItem::GuardedRingingGroup, 435),
-    (CostItem::Strike, 2900),
-    (CostItem::Choke, 640),
-    (CostItem::ChokedMode, 60),
+    (CostItem::ContactFrame, 31),
+    (CostItem::DirectFrame, 10),
+    (CostItem::GuardedGroup, 310),
+    (CostItem::GuardedRingingGroup, 615),
+    (CostItem::Strike, 3500),
+    (CostItem::Choke, 630),
+    (CostItem::ChokedMode, 53),
     (CostItem::MovedMode, 910),
     (CostItem::MovedGroup, 980),
-    (CostItem::SecondFrame, 205),
-    (CostItem::OnsetFrame, 32),
-    (CostItem::Survey, 4900),
-    (CostItem::SurveyedGroup, 125),
-    (CostItem::Look, 800),
-    (CostItem::PredictedGroup, 30),
+    (CostItem::SecondFrame, 210),
+    (CostItem::OnsetFrame, 23),
+    (CostItem::Survey, 3400),
+    (CostItem::SurveyedGroup, 210),
+    (CostItem::Look, 425),
     (CostItem::KernelCycle, 1),
     (CostItem::ResidualStrike, 700),
     (CostItem::ResidualRun, 420),
     (CostItem::ResidualFrame, 40),
     (CostItem::ResidualCycle, 1),
-    (CostItem::IdleTick, 705),
+    (CostItem::IdleTick, 670),
 ]);
 
 /// Takes the cycles out of a list that must follow the order of [`CostItem`].
@@ -139,24 +136,63 @@ impl CostItem {
     }
 }
 
-/// Number of pieces of each [`CostItem`] in a tick, and the cycles of all.
+/// Cycles of the work of a tick, and of its parts that a decision asks for.
+///
+/// The number of pieces of each [`CostItem`] is kept on a PC alone (feature `counts`), where it is
+/// reported and the cycles of an item are fitted: a board would spend 600 cycles a tick on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    pieces: [u32; COST_ITEMS],
-    /// Kept up with each change: a sum over all items would take some 300 cycles each time.
     cycles: u32,
+    pub(super) looks: u32,
+    pub(super) pads: u32,
+    pub(super) kernel_cycles: u32,
+    pub(super) guarded_groups: u32,
+    pub(super) chokes: u32,
+    pub(super) choked_modes: u32,
+    /// Cycles of forces beside the groups that answer them.
+    pub(super) force_cycles: u32,
+    pub(super) is_idle: bool,
+    #[cfg(feature = "counts")]
+    pieces: [u32; COST_ITEMS],
 }
 
 impl Counts {
     /// Counts of a tick without any work.
-    pub const NONE: Self = Self { pieces: [0; COST_ITEMS], cycles: 0 };
+    pub const NONE: Self = Self {
+        cycles: 0,
+        looks: 0,
+        pads: 0,
+        kernel_cycles: 0,
+        guarded_groups: 0,
+        chokes: 0,
+        choked_modes: 0,
+        force_cycles: 0,
+        is_idle: false,
+        #[cfg(feature = "counts")]
+        pieces: [0; COST_ITEMS],
+    };
 
     /// Adds pieces of one item.
-    #[inline(always)] // an item is known where it is added, and so are its cycles
+    #[inline(always)] // an item is known where it is added, and so is what it adds to
     pub(super) fn add(&mut self, item: CostItem, count: u32) {
-        if let (Some(counted), Some(cycles)) = (self.pieces.get_mut(item as usize), CYCLES.get(item as usize)) {
-            *counted += count;
-            self.cycles += count * cycles;
+        let cycles = count * item.cycles();
+        self.cycles += cycles;
+        match item {
+            CostItem::Look => self.looks += count,
+            CostItem::Pad => self.pads += count,
+            CostItem::KernelCycle => self.kernel_cycles += count,
+            CostItem::GuardedGroup => self.guarded_groups += count,
+            CostItem::Choke => self.chokes += count,
+            CostItem::ChokedMode => self.choked_modes += count,
+            CostItem::BusDrivenPad | CostItem::DrivenPad | CostItem::DrivenStrikerBank | CostItem::ContactFrame => {
+                self.force_cycles += cycles
+            }
+            CostItem::IdleTick => self.is_idle |= count > 0,
+            _ => {}
+        }
+        #[cfg(feature = "counts")]
+        if let Some(pieces) = self.pieces.get_mut(item as usize) {
+            *pieces += count;
         }
     }
 
@@ -166,12 +202,15 @@ impl Counts {
         items.into_iter().for_each(|(item, count)| self.add(item, count));
     }
 
-    /// Takes pieces of one item away, at most all of them.
-    pub(super) fn remove(&mut self, item: CostItem, count: u32) {
-        if let (Some(counted), Some(cycles)) = (self.pieces.get_mut(item as usize), CYCLES.get(item as usize)) {
-            let count = count.min(*counted);
-            *counted -= count;
-            self.cycles -= count * cycles;
+    /// Takes cycles of the kernels away, at most all of them, and groups that need no guard.
+    pub(super) fn free(&mut self, kernel_cycles: u32, guarded_groups: u32) {
+        let [cycles, groups] = [kernel_cycles.min(self.kernel_cycles), guarded_groups.min(self.guarded_groups)];
+        self.kernel_cycles -= cycles;
+        self.guarded_groups -= groups;
+        self.cycles -= cycles + groups * CostItem::GuardedGroup.cycles();
+        #[cfg(feature = "counts")]
+        for (item, freed) in [(CostItem::KernelCycle, cycles), (CostItem::GuardedGroup, groups)] {
+            self.pieces.iter_mut().skip(item as usize).take(1).for_each(|pieces| *pieces -= freed);
         }
     }
 
@@ -181,11 +220,13 @@ impl Counts {
     }
 
     /// Number of pieces of one item.
+    #[cfg(feature = "counts")]
     pub fn of(&self, item: CostItem) -> u32 {
         self.pieces.get(item as usize).copied().unwrap_or(0)
     }
 
     /// All counts, in the order of [`CostItem`].
+    #[cfg(feature = "counts")]
     pub fn all(&self) -> &[u32; COST_ITEMS] {
         &self.pieces
     }
@@ -197,8 +238,18 @@ impl Counts {
 }
 
 impl core::ops::AddAssign<&Self> for Counts {
+    #[inline(never)] // one for all
     fn add_assign(&mut self, other: &Self) {
-        self.pieces.iter_mut().zip(&other.pieces).for_each(|(sum, &more)| *sum += more);
         self.cycles += other.cycles;
+        self.looks += other.looks;
+        self.pads += other.pads;
+        self.kernel_cycles += other.kernel_cycles;
+        self.guarded_groups += other.guarded_groups;
+        self.chokes += other.chokes;
+        self.choked_modes += other.choked_modes;
+        self.force_cycles += other.force_cycles;
+        self.is_idle |= other.is_idle;
+        #[cfg(feature = "counts")]
+        self.pieces.iter_mut().zip(&other.pieces).for_each(|(sum, &more)| *sum += more);
     }
 }

@@ -23,8 +23,8 @@ use crate::voice::{Form, Residual, Voice};
 pub(super) type Listening = Option<(Audience, UpcomingRun)>;
 
 /// Maximum number of impacts under way at once, in every engine: one more displaces the one
-/// nearest to its end. 48 are 750 strikes a second on each of eight pads with contacts of 8 ms.
-pub const STANDARD_CONTACTS: usize = 48;
+/// nearest to its end. 42 are 650 strikes a second on each of eight pads with contacts of 8 ms.
+pub const STANDARD_CONTACTS: usize = 42;
 
 /// A force that excites a pad directly, sample by sample.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Work within a tick: its beginning, its events, its runs of frames, its end.
 
-use super::cost::CostItem;
+use super::cost::{CostItem, Counts};
 use super::report::TickReport;
 use super::setup::Skipping;
 use super::shedding::ShedAmount;
@@ -15,8 +15,7 @@ use crate::voice::{PadTables, Run, Voice};
 impl<S: Sample> Engine<'_, '_, S> {
     /// Begins a tick: chokes and releases take effect, and voices do their bookkeeping.
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
-        let chokes =
-            if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { [(CostItem::Choke, 0); 3] };
+        let chokes = if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { Counts::NONE };
         let is_scraped = self.scrapes.are_due();
         if self.fader.is_over() || is_scraped {
             // The strikes that have waited make the tick one with sound, if any have.
@@ -41,9 +40,8 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.budget.is_some() && self.idle {
             self.report.counts.add(CostItem::IdleTick, 1);
         } else if self.budget.is_some() {
-            let counts = self.beginning();
-            self.report.counts.add_all(counts);
-            self.report.counts.add_all(chokes);
+            self.count_beginning();
+            self.report.counts += &chokes;
         }
         if self.idle {
             return;
@@ -119,7 +117,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Carries out the chokes and releases of the last tick; gives their cost. Pads reach their
     /// first modes in the bookkeeping that follows.
     #[inline(never)] // rare
-    fn change_chokes(&mut self) -> [(CostItem, u32); 3] {
+    fn change_chokes(&mut self) -> Counts {
         let (mut chokes, mut guards, mut filter_cycles) = (0, 0, 0);
         for number in 0..self.voices.len() as u8 {
             if !self.voices.get(usize::from(number)).is_some_and(Voice::is_choke_due) {
@@ -137,7 +135,11 @@ impl<S: Sample> Engine<'_, '_, S> {
                 self.choke_stages(number, is_choked);
             }
         }
-        [(CostItem::Choke, chokes), (CostItem::DueGroup, guards), (CostItem::ResidualCycle, filter_cycles)]
+        let mut counts = Counts::NONE;
+        counts.add(CostItem::Choke, chokes);
+        counts.add(CostItem::DueGroup, guards);
+        counts.add(CostItem::ResidualCycle, filter_cycles);
+        counts
     }
 
     /// Moves a slot of a pad's object to a position.

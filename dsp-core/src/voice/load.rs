@@ -179,6 +179,7 @@ impl<'k: 'm, 'm> Voice<'k, 'm> {
         for (bank, (which, table)) in self.banks.iter_mut().zip(tables.banks()).skip(in_frames) {
             bank.load(&table, rate).map_err(|error| (error, which))?;
             self.mode_count += bank.mode_count() as u16; // all banks count in 16 bits
+            self.group_count += bank.group_count() as u16; // at most as many
         }
         Ok(())
     }

@@ -39,6 +39,7 @@ pub struct Voice<'k, 'm> {
     pub(super) reference_force: f32,
     pub(super) striker_count: u8,
     pub(super) mode_count: u16,
+    pub(super) group_count: u16,
     pub(super) acceleration: Acceleration,
     pub(super) panner: Panner,
     /// Sum of |force| of contacts that have just begun, until the banks are guarded for it, in
@@ -109,6 +110,7 @@ impl Voice<'_, '_> {
             reference_force: 0.0,
             striker_count: 0,
             mode_count: 0,
+            group_count: 0,
             acceleration: Acceleration::NONE,
             panner: Panner::SILENT,
             expected: 0,
@@ -148,8 +150,9 @@ impl Voice<'_, '_> {
     }
 
     /// Number of register groups of all banks.
+    #[inline(always)]
     pub fn group_count(&self) -> usize {
-        self.banks.iter().map(|bank| bank.group_count() as usize).sum()
+        usize::from(self.group_count)
     }
 
     /// Gives the voice its pad's number.

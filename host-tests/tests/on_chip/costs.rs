@@ -105,7 +105,7 @@ fn a_silent_engine_and_its_memory_stay_small() {
     // adds some bytes. Frames take 24 KB, contacts that go on some 41 KB: a table of tanh takes
     // 4 KB, which spares 18 cycles a frame.
     assert!(footprint.flash <= 320 * 1024, "the engine without its kit: {} bytes", footprint.flash);
-    // 64 contacts, as all engines have, take 2 KB of the RAM.
+    // 42 contacts, as all engines have, take 2 KB of the RAM.
     assert!(footprint.ram <= 19_600, "{} bytes", footprint.ram);
 }
 

@@ -13,7 +13,7 @@ pub(super) use cortex_m4::add_means;
 #[cfg(not(cortex_m4f))]
 pub(super) use portable::add_means;
 
-/// What the loop reads, and the angle that it turns.
+/// Values that the loop reads, and the angle that it turns.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Turning {

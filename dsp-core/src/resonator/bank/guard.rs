@@ -227,7 +227,9 @@ impl Bank<'_> {
     pub(super) fn prepare(&mut self) {
         let groups = &mut *self.groups;
         let (mut sum, mut mix_exponent, mut ringing_modes, mut refusing, mut due_ticks) = (0u64, 0, 0, 0, i8::MAX);
+        self.costs.none_rings();
         for group in groups.iter().filter(|group| group.ringing()) {
+            self.costs.rings(group);
             sum = sum.saturating_add(group.mix_bound());
             mix_exponent = mix_exponent.max(group.smallest_mix_exponent());
             ringing_modes += group.count();

@@ -107,6 +107,7 @@ impl<'m> Bank<'m> {
         self.choke = choke.state(table, self.origins, self.modes);
         set_order(self.origins);
         self.onset = law.onset(taken);
+        self.costs.count(self.groups);
         Ok(())
     }
 }

@@ -120,6 +120,7 @@ impl<'m> Bank<'m> {
             modes.iter_mut().zip(of_first).for_each(|(mode, gain)| mode.gain = *gain);
             second.iter_mut().zip(of_second).for_each(|(second, gain)| *second = *gain);
         });
+        self.costs.count(self.groups);
         let onset = law.onset(taken);
         if is_second {
             self.second.onset = onset;

@@ -172,10 +172,9 @@ impl Bank<'_> {
         out: &mut [[i32; 2]],
     ) -> Option<BankWork> {
         if self.has_onset() {
-            self.drive_stereo_with_onset(force, odd_start, gains, out)
-        } else {
-            self.drive_stereo(force, None, odd_start, gains, out)
+            return self.drive_stereo_with_onset(force, odd_start, gains, out);
         }
+        self.drive_stereo(force, None, odd_start, gains, out)
     }
 
     #[inline(never)] // its buffer must not weigh on banks without
@@ -187,8 +186,8 @@ impl Bank<'_> {
         out: &mut [[i32; 2]],
     ) -> Option<BankWork> {
         let mut onset = [0; TICK_FRAMES];
-        let is_within = self.onset_mix(force, gains.shift, &mut onset);
-        if is_within { self.drive_stereo(force, Some(&onset), odd_start, gains, out) } else { None }
+        self.onset_mix(force, gains.shift, &mut onset).then_some(())?;
+        self.drive_stereo(force, Some(&onset), odd_start, gains, out)
     }
 
     #[inline(never)] // one for both
@@ -342,9 +341,8 @@ impl Bank<'_> {
             Some(force) if self.is_within_bus(mix, shift, force) => {
                 let (bits, doublings) = (u32::from(shift.bits), self.onset.doublings());
                 for ((out, &sum), &x) in frames.zip(force) {
-                    // Both are below 2^30.
                     let at_once = self.onset.undoubled(x).wrapping_shl(doublings);
-                    *out = fixed::qadd(*out, sum.wrapping_shl(bits).wrapping_add(at_once));
+                    *out = fixed::qadd(*out, sum.wrapping_shl(bits).wrapping_add(at_once)); // both < 2^30
                 }
             }
             Some(force) => {
@@ -357,8 +355,7 @@ impl Bank<'_> {
         }
     }
 
-    /// True if neither the mix nor the onset of a force reaches half the range of the bus. The
-    /// bounds that a guard knows are far above what most contacts make.
+    /// True if neither the mix nor the onset of a force reaches half the range of the bus.
     fn is_within_bus(&self, mix: &[i32], shift: MixShift, force: &[i32]) -> bool {
         let bits = |samples: &[i32]| samples.iter().fold(0, |bits, x| bits | x ^ (x >> 31));
         // A power of two less one: at least each magnitude of the force.

@@ -71,14 +71,16 @@ impl Bank<'_> {
         plan.pass_over(self.groups.len());
     }
 
-    /// Cycles of the bank over a run of frames, without those of the call; and the number of groups
-    /// that will run.
-    pub fn cycles(&self, used: Use, frames: u32) -> (u32, u32) {
-        let costs = Costs::new(used, frames);
-        self.groups
-            .iter()
-            .filter(|group| runs(group, used))
-            .fold((0, 0), |(total, count), group| (total + costs.of(group.plan()), count + 1))
+    /// Cycles of the bank over a run of frames, without those of the call.
+    #[inline(always)]
+    pub fn cycles(&self, used: Use, frames: u32) -> u32 {
+        self.costs.cycles(used, frames)
+    }
+
+    /// Number of groups that run.
+    #[inline(always)]
+    pub fn running_groups(&self, used: Use) -> u32 {
+        self.costs.groups(used)
     }
 
     /// Number of groups of the bank, at rest or not.
@@ -131,6 +133,7 @@ impl Bank<'_> {
             modes += (start - first) as u32;
             lost += bound(group, audience) * (start - first) as f32;
             rang |= group.ringing();
+            self.costs.leave_out(group);
             group.shed(self.modes.get_mut(first..start).unwrap_or(&mut []));
         }
         choice.pass_over(self.groups.len());
@@ -157,6 +160,7 @@ impl Bank<'_> {
         if admitted {
             // They are not guarded for the input of the others.
             self.allowance = 0;
+            self.costs.admit();
         }
     }
 }

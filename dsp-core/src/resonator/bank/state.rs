@@ -6,6 +6,7 @@ use super::super::retirement::Retired;
 use super::choke::ChokeState;
 use super::mix::MixShift;
 use super::origin::Origin;
+use super::run_cost::BankCosts;
 use super::slot::SecondSlot;
 use crate::fixed::Scale;
 
@@ -51,6 +52,8 @@ pub struct Bank<'m> {
     /// Maximum number of groups that a tick without input guards.
     pub(super) guards_per_tick: u8,
     pub(super) retired: Retired,
+    /// Cycles of its runs, for the budget.
+    pub(super) costs: BankCosts,
 }
 
 impl Bank<'_> {
@@ -78,6 +81,7 @@ impl Bank<'_> {
             due_ticks: 0,
             guards_per_tick: 0,
             retired: Retired::NOTHING,
+            costs: BankCosts::NONE,
         }
     }
 
