@@ -4,10 +4,11 @@
 use super::{CONFIGURED_S, assert_sound, host, received};
 use crate::common;
 use crate::hits::signal;
+use crate::load::deadline;
 use crate::played::heard_and_rendered_as_board;
 use crate::replay::assert_same;
 use crate::timing;
-use virtual_board::{Board, Setup, UsbAction};
+use virtual_board::{Board, CycleCase, LogLine, Setup, UsbAction};
 
 fn send(at_s: f64, packets: &[[u8; 4]]) -> (f64, UsbAction) {
     (at_s, UsbAction::Send(packets.as_flattened().to_vec()))
@@ -86,18 +87,27 @@ fn song_of_2000_notes_and_piezos_sound_with_the_bits_of_the_pc() {
 }
 
 /// On the BlackPill three strikes fit into a half, and two behind others: the rest follow in the
-/// next halves.
+/// next halves. With four a storm of notes misses halves.
 #[test]
 fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
     for board in Board::ALL {
         let chord: Vec<[u8; 4]> = [60, 81, 53, 49, 51, 76, 77, 75, 36, 41].map(|key| [0x09, 0x99, key, 30]).to_vec();
         let running = common::run(
             board,
-            &Setup { usb: host(vec![send(CONFIGURED_S + 0.000_3, &chord)]), ..Setup::default() },
-            CONFIGURED_S + 0.1,
+            &Setup {
+                usb: host(vec![send(CONFIGURED_S + 0.100_3, &chord)]),
+                cycles: CycleCase::Worst,
+                flash_waits: true,
+                ..Setup::default()
+            },
+            CONFIGURED_S + 0.2,
         );
         let report = running.report().unwrap();
-        assert_sound(board, &report);
+        let load = report.audio.worst_load.unwrap() / deadline(board);
+        println!("{}: the dearest half takes {:.1} % of its time", board.name(), 100.0 * load);
+        // At this pace the start of the BlackPill's sound misses a half.
+        let missed = |line: &&LogLine| line.at_s > 0.4 && line.message.contains("missed") && line.level == "warn";
+        assert!(report.log.iter().find(missed).is_none() && load <= 0.9, "{}: {load}", board.name());
         let frame =
             |message: &str| message.strip_prefix("event ")?.strip_suffix(",strike")?.split(',').next()?.parse().ok();
         let frames: Vec<u64> = report.log.iter().filter_map(|line| frame(&line.message)).collect();
