@@ -10,7 +10,7 @@
 //! | 24 280 | a residual; the background counts as one |
 //! | 39 328 | filters of four pads |
 //! | 9 636 | DMA buffers, the log, tasks, USB |
-//! | 18 268 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free |
+//! | 17 088 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 

@@ -8,7 +8,7 @@
 //! | 72 840 | three residuals, 24 280 each; the background counts as one | RAM |
 //! | 29 400 | filters of three to four pads | RAM |
 //! | 9 636 | DMA buffers, the log, tasks, USB | RAM |
-//! | 19 188 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free | RAM |
+//! | 17 792 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free | RAM |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
 
