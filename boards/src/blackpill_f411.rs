@@ -9,7 +9,7 @@
 //! | 2 272 | the inputs: triggers |
 //! | 24 280 | a residual; the background counts as one |
 //! | 39 328 | filters of four pads |
-//! | 9 636 | DMA buffers, the log, tasks, USB |
+//! | 11 172 | DMA buffers, the log, tasks, USB |
 //! | 17 088 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.

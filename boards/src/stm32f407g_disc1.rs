@@ -7,7 +7,7 @@
 //! | 26 432 | the room: 18 KB of delay, 8960 samples, and 8 KB of state | beside the core |
 //! | 72 840 | three residuals, 24 280 each; the background counts as one | RAM |
 //! | 29 400 | filters of three to four pads | RAM |
-//! | 9 636 | DMA buffers, the log, tasks, USB | RAM |
+//! | 9 820 | DMA buffers, the log, tasks, USB | RAM |
 //! | 17 792 | the stack, of which a storm uses 11 KB and a test keeps 4 KB free | RAM |
 //!
 //! `cargo test -p virtual-board --test boards -- --nocapture load::images stages` prints the sums.
