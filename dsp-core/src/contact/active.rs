@@ -9,8 +9,8 @@ use super::shape::{self, SHAPE_BITS};
 use crate::fixed;
 use crate::memory::{Memory, OutOfMemory, Region};
 
-/// Number of frames after which the angle of a pulse is derived anew, from its phase. Until then it
-/// is turned, which takes a quarter of the time.
+/// Maximum number of frames for which the angle of a pulse is turned: the errors of turns add up.
+/// Then the angle is derived from the phase.
 const TURNS: u8 = 32;
 
 /// One contact under way.
@@ -20,7 +20,7 @@ pub struct Contact {
     striker: u8,
     /// Position slot of the pad that the contact drives.
     slot: u8,
-    /// Number of frames for which the angle turns before it is derived anew.
+    /// Number of frames for which the angle is still turned; at 0 it is derived from the phase.
     turns: u8,
     pulse: Pulse,
     /// Peak force, Q4.27.

@@ -1,4 +1,4 @@
-//! Angle along a pulse: it turns by a part of half a turn each sample, by two products.
+//! Angle along a pulse, from 0 to half a turn. Each sample turns it by four products.
 
 use super::shape::{cos_half_pi_sqrt, negated_square, sinc_half_pi_sqrt};
 

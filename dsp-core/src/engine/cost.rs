@@ -139,7 +139,7 @@ impl CostItem {
 /// Cycles of the work of a tick, and of its parts that a decision asks for.
 ///
 /// The number of pieces of each [`CostItem`] is kept on a PC alone (feature `counts`), where it is
-/// reported and the cycles of an item are fitted: a board would spend 600 cycles a tick on it.
+/// reported and the cycles of an item are fitted. A board has no time for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     cycles: u32,
@@ -210,7 +210,9 @@ impl Counts {
         self.cycles -= cycles + groups * CostItem::GuardedGroup.cycles();
         #[cfg(feature = "counts")]
         for (item, freed) in [(CostItem::KernelCycle, cycles), (CostItem::GuardedGroup, groups)] {
-            self.pieces.iter_mut().skip(item as usize).take(1).for_each(|pieces| *pieces -= freed);
+            if let Some(pieces) = self.pieces.get_mut(item as usize) {
+                *pieces -= freed;
+            }
         }
     }
 

@@ -141,7 +141,8 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Adds the counts of a run of frames. `struck` has for each pad a bit for each striker by
     /// which a known event will have struck it by then; if empty, none will.
     ///
-    /// Its loop over pads that ring stays below the 1 KB of the flash's cache.
+    /// The loop over pads that ring is short: code beyond the 1 KB of the flash's cache would be
+    /// fetched again for each pad.
     #[inline(never)] // one for all
     fn add_run(&self, frames: u32, direct: Option<Direct<'_>>, struck: &[u8], counts: &mut Counts) {
         let may_strike = struck.iter().any(|&strikers| strikers != 0);

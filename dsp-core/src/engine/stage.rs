@@ -79,8 +79,8 @@ impl Stage {
     }
 }
 
-/// Nominal cycles of a pad's bus and force in a tick, beside its stages. The percentages above were
-/// measured with them.
+/// Nominal cycles that a pad's bus and force add to those of a stage, in a tick. They stay when
+/// [`CYCLES`](super::cost::CYCLES) are fitted anew: [`Stage::worst_cycles`] was measured with them.
 const BESIDE_DYNAMIC_FILTER: u32 = 4_092;
 const BESIDE_BIQUADS: u32 = 7_178;
 const BESIDE_SCRAPES: u32 = 544;

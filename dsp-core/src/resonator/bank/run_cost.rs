@@ -27,10 +27,14 @@ pub struct UpcomingRun {
 }
 
 /// Groups that run, and their cycles over a whole tick.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Running {
     cycles: u32,
     groups: u16,
+}
+
+impl Running {
+    const NONE: Self = Self { cycles: 0, groups: 0 };
 }
 
 /// Groups of a bank that run in each [`Use`].
@@ -44,13 +48,12 @@ pub(super) struct BankCosts {
 }
 
 impl BankCosts {
-    const NOTHING: Running = Running { cycles: 0, groups: 0 };
-    pub(super) const NONE: Self = Self { free: Self::NOTHING, driven: Self::NOTHING, all: Self::NOTHING };
+    pub(super) const NONE: Self = Self { free: Running::NONE, driven: Running::NONE, all: Running::NONE };
 
     /// Counts all groups of a bank: after load, and when gains have changed.
     #[inline(never)] // rare
     pub(super) fn count(&mut self, groups: &[Group]) {
-        (self.all, self.driven) = (Self::NOTHING, Self::NOTHING);
+        (self.all, self.driven) = (Running::NONE, Running::NONE);
         for group in groups {
             let cycles = whole_driven(group.plan());
             self.all.cycles += cycles;
@@ -77,7 +80,7 @@ impl BankCosts {
     /// Begins to count the groups that ring.
     #[inline(always)]
     pub(super) fn none_rings(&mut self) {
-        self.free = Self::NOTHING;
+        self.free = Running::NONE;
     }
 
     /// Counts a group that rings.
@@ -103,7 +106,8 @@ impl BankCosts {
         if frames == TICK_FRAMES as u32 {
             return whole;
         }
-        // Of 1024; the sums of `Costs::of_cut_tick` within 4 %.
+        // Of 1024. From a quarter of a tick on, full groups are within 6 % of `Costs::of_cut_tick`;
+        // those with phases, of which it takes no account, are up to 20 % above.
         let share = if used == Use::Free { 133 + 43 * frames } else { 127 + 49 * frames };
         (whole * share) >> 10
     }

@@ -86,28 +86,23 @@ fn song_of_2000_notes_and_piezos_sound_with_the_bits_of_the_pc() {
     plays_the_bits_of_the_pc(2000);
 }
 
+/// Notes of ten pads of the demo kit.
+fn ten_notes() -> Vec<[u8; 4]> {
+    [60, 81, 53, 49, 51, 76, 77, 75, 36, 41].map(|key| [0x09, 0x99, key, 30]).to_vec()
+}
+
 /// On the BlackPill three strikes fit into a half, and two behind others: the rest follow in the
 /// next halves. With four a storm of notes misses halves.
 #[test]
 fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
     for board in Board::ALL {
-        let chord: Vec<[u8; 4]> = [60, 81, 53, 49, 51, 76, 77, 75, 36, 41].map(|key| [0x09, 0x99, key, 30]).to_vec();
         let running = common::run(
             board,
-            &Setup {
-                usb: host(vec![send(CONFIGURED_S + 0.100_3, &chord)]),
-                cycles: CycleCase::Worst,
-                flash_waits: true,
-                ..Setup::default()
-            },
-            CONFIGURED_S + 0.2,
+            &Setup { usb: host(vec![send(CONFIGURED_S + 0.000_3, &ten_notes())]), ..Setup::default() },
+            CONFIGURED_S + 0.1,
         );
         let report = running.report().unwrap();
-        let load = report.audio.worst_load.unwrap() / deadline(board);
-        println!("{}: the dearest half takes {:.1} % of its time", board.name(), 100.0 * load);
-        // At this pace the start of the BlackPill's sound misses a half.
-        let missed = |line: &&LogLine| line.at_s > 0.4 && line.message.contains("missed") && line.level == "warn";
-        assert!(report.log.iter().find(missed).is_none() && load <= 0.9, "{}: {load}", board.name());
+        assert_sound(board, &report);
         let frame =
             |message: &str| message.strip_prefix("event ")?.strip_suffix(",strike")?.split(',').next()?.parse().ok();
         let frames: Vec<u64> = report.log.iter().filter_map(|line| frame(&line.message)).collect();
@@ -116,6 +111,21 @@ fn ten_notes_of_one_transfer_sound_in_one_frame_or_within_four_halves() {
         let (at_once, within) = if board == Board::Stm32f407gDisc1 { (10, 0) } else { (3, 128) };
         assert!(frames.iter().take(at_once).all(|frame| *frame == frames[0]), "{}: {frames:?}", board.name());
         assert!(frames[9] - frames[0] <= within, "{}: {frames:?}", board.name());
+    }
+}
+
+#[test]
+fn ten_notes_of_one_transfer_leave_a_tenth_of_a_half_at_the_worst_pace() {
+    for board in Board::ALL {
+        let usb = host(vec![send(CONFIGURED_S + 0.000_3, &ten_notes())]);
+        let setup = Setup { usb, cycles: CycleCase::Worst, flash_waits: true, ..Setup::default() };
+        let report = common::run(board, &setup, CONFIGURED_S + 0.1).report().unwrap();
+        let load = report.audio.worst_load.unwrap() / deadline(board);
+        println!("{}: the dearest half takes {:.1} % of its time", board.name(), 100.0 * load);
+        // The BlackPill misses the half with which sound starts, at 0.32 s and this pace.
+        let is_missed = |line: &LogLine| line.at_s > 0.4 && line.message.contains("halves missed");
+        assert!(!report.log.iter().any(is_missed), "{}: {:#?}", board.name(), report.log);
+        assert!(report.audio.late_halves == 0 && report.resets.is_empty() && load <= 0.9, "{}: {load}", board.name());
     }
 }
 
