@@ -44,11 +44,11 @@ pub enum Action {
     Choke,
     /// The hand lets go: from the first tick after the event, decays are the object's own again.
     Release,
-    /// The given number of quietest register groups is left out until their pad is struck again.
+    /// Register groups are left out until their pad is struck again.
     ///
     /// An engine with a budget decides this itself when time is short, and reports the decision.
     /// Played back, the decision gives the same bits. The event's pad does not matter.
-    Shed(u16),
+    Shed(Shedding),
     /// The whole sound goes to a level, a gain of 0 to 1 that stands in the event's velocity, on a
     /// ramp of 20 ms. The event's pad does not matter.
     Level,
@@ -74,6 +74,16 @@ pub enum Action {
     /// The striker leaves the pad's surface, from the tick on that begins at the event or next.
     #[cfg(feature = "scrapes")]
     Lift,
+}
+
+/// Register groups that a decision leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shedding {
+    /// The given number of quietest groups that sound.
+    Quietest(u16),
+    /// All that sound but the first group of each pad's object: its long modes at low frequencies.
+    /// This choice takes less time than that of the quietest groups.
+    AllButFirst,
 }
 
 /// One event on one pad.

@@ -2,7 +2,7 @@
 
 use core::cell::RefCell;
 
-use dsp_core::event::{Action, Event};
+use dsp_core::event::{Action, Event, Shedding};
 use dsp_core::table::Kit;
 use embassy_sync::blocking_mutex::ThreadModeMutex;
 use embassy_time::{Duration, Instant};
@@ -101,6 +101,7 @@ fn tell(event: &Event, kit: &Kit<'static>) {
         Action::Release => defmt::info!("event {=u64},{=str},,,,release", sample, name),
         Action::Level => defmt::info!("event {=u64},,{=f32},,,level", sample, event.velocity),
         Action::Silence => defmt::info!("event {=u64},,,,,silence", sample),
-        Action::Shed(groups) => defmt::info!("event {=u64},,,,,shed {=u16}", sample, groups),
+        Action::Shed(Shedding::Quietest(groups)) => defmt::info!("event {=u64},,,,,shed {=u16}", sample, groups),
+        Action::Shed(Shedding::AllButFirst) => defmt::info!("event {=u64},,,,,shed all but first", sample),
     }
 }

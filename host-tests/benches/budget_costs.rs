@@ -54,13 +54,14 @@ fn play(scene: &BudgetScene) -> Result<Vec<(Counts, f64)>, Box<dyn Error>> {
 
 /// Cost items that no fit can tell apart, because they are rare or always come with others. Their
 /// cycles come from the profile. A kernel's cycle is one cycle by definition.
-const HELD: [CostItem; 8] = [
+const HELD: [CostItem; 9] = [
     CostItem::GuardedRingingGroup,
     CostItem::Strike,
     CostItem::DrivenFrame,
     CostItem::ContactFrame,
     CostItem::Survey,
     CostItem::SurveyedGroup,
+    CostItem::ShedGroup,
     CostItem::Look,
     CostItem::KernelCycle,
 ];

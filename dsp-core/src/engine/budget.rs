@@ -10,12 +10,23 @@
 //! surprise within a tick.
 
 use super::cost::{CostItem, Counts};
+use super::prediction::Counted;
 use super::render::next_news;
 use super::setup::Skipping;
 use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
-use crate::event::{Action, Event, Time};
+use crate::event::{Action, Event, Shedding, Time};
+use crate::resonator::{Bank, Use};
 use crate::room::Sample;
+
+/// Prediction that exceeds the budget.
+struct Excess {
+    predicted: u32,
+    budget: u32,
+    /// Part of the tick that the budget leaves free.
+    margin: u32,
+    first_groups_cycles: u32,
+}
 
 impl<S: Sample> Engine<'_, '_, S> {
     /// Sets the cycles that a tick of 32 frames may take, or takes the limit away. 80 % of 168 MHz
@@ -31,7 +42,6 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Sheds register groups that do not fit. `upcoming` are the events behind those that have been
     /// applied, and all that there will be before `known_until`.
     ///
-    /// True if it has counted the rest of the tick: no other prediction is due in it.
     #[inline(never)] // its tables must not weigh on ticks without a budget
     pub(super) fn keep_budget(
         &mut self,
@@ -39,11 +49,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         known_until: u64,
         direct: Option<Direct<'_>>,
         log: &mut impl FnMut(&Event),
-    ) -> bool {
-        let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return false };
+    ) -> Counted {
+        let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return Counted::Nothing };
         let [idle, busy] = KEPT_FREE;
         let margin = budget / MARGIN + if self.report.counts.is_idle { idle } else { busy };
-        let mut rest = self.rest_of_tick(upcoming, direct);
+        let mut of_next_run = Counts::NONE;
+        let mut rest = self.rest_of_tick(upcoming, direct, &mut of_next_run);
         // One choke is paid from the time between the budget and the tick's end, and sheds nothing.
         let Counts { chokes, choked_modes, .. } = self.report.counts;
         let choke = choked_modes.min(FREE_CHOKED_MODES) * CostItem::ChokedMode.cycles();
@@ -54,72 +65,112 @@ impl<S: Sample> Engine<'_, '_, S> {
         let is_last = || next_news(upcoming).is_none_or(|event| event.time.first_frame() >= end);
         let is_counted = end <= known_until && (predicted <= budget || is_last());
         if !is_counted {
-            // The next event will call for another prediction.
+            // The next event will call for another prediction. The run before it is looked at once,
+            // here or behind a choice.
             predicted += predictions_ahead(&rest);
-            self.report.counts.add(CostItem::Look, rest.looks);
+            self.report.counts.add(CostItem::Look, rest.looks - u32::from(!is_last()) + LOOKS_OF_A_PREDICTION);
         }
-        if predicted > budget
-            && let Some(chosen) = self.shed_excess(predicted, budget, margin, &mut rest, direct)
+        // Each strike reaches all groups of its pad again. So the choice waits for it, if shedding
+        // from then on suffices: a choice of now would be made twice.
+        let is_above = predicted > budget;
+        let first_groups_cycles = if is_above { self.first_groups_cycles() } else { 0 };
+        let waits = is_above && !is_last() && {
+            let later = rest.sheddable_cycles() - of_next_run.sheddable_cycles();
+            predicted + self.rough_cycles() + first_groups_cycles <= budget + margin / 2 + later
+        };
+        let excess = Excess { predicted, budget, margin, first_groups_cycles };
+        if is_above
+            && !waits
+            && let Some(chosen) = self.shed_excess(&excess, &mut rest, direct)
         {
             log(&Event { time: Time::at_frame(self.now), action: Action::Shed(chosen), ..Event::NOTHING });
         }
         if is_counted {
             self.report.counts += &rest;
+            Counted::Tick
+        } else if !is_last() && (!is_above || waits) {
+            self.report.counts += &of_next_run;
+            Counted::Run
+        } else {
+            Counted::Nothing
         }
-        is_counted
+    }
+
+    /// Cycles of [`Shedding::AllButFirst`], without those of the groups that stay.
+    fn rough_cycles(&self) -> u32 {
+        CostItem::Survey.cycles() / 2 + self.awake_groups * CostItem::ShedGroup.cycles()
+    }
+
+    /// Cycles of the first group of each pad's object until the tick's end, as a prediction has
+    /// them, its guard included.
+    #[inline(never)] // rare
+    fn first_groups_cycles(&self) -> u32 {
+        let frames = self.frames_to_tick();
+        let objects = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad))?.banks().first());
+        let cycles_each = |bank: &Bank<'_>| bank.cycles(Use::Driven, frames) / bank.running_groups(Use::Driven).max(1);
+        let guarded = objects.map(|bank| cycles_each(bank) * self.loop_percent / 100 + CostItem::GuardedGroup.cycles());
+        guarded.sum()
     }
 
     /// Sheds what a prediction exceeds the budget by, and takes it out of the counts of the `rest`.
-    /// Gives the number of groups, `None` if a choice would take longer than what it frees.
+    /// Gives the decision, `None` if it would take longer than what it frees.
     #[inline(never)] // rare, and its tables must not lie on the stack beside those of the prediction
-    fn shed_excess(
-        &mut self,
-        predicted: u32,
-        budget: u32,
-        margin: u32,
-        rest: &mut Counts,
-        direct: Option<Direct<'_>>,
-    ) -> Option<u16> {
+    fn shed_excess(&mut self, excess: &Excess, rest: &mut Counts, direct: Option<Direct<'_>>) -> Option<Shedding> {
+        let Excess { predicted, budget, margin, first_groups_cycles: first } = *excess;
         let survey = self.survey_counts();
-        let survey_cycles = survey.cycles();
-        let guards = rest.guarded_groups * CostItem::GuardedGroup.cycles();
-        let sheddable = (rest.kernel_cycles + guards).min(predicted);
-        let least = predicted + survey_cycles - sheddable;
-        // If no group can be kept, there is nothing to choose. A choice may take some of what is
-        // kept free: without it the strike would be silent.
-        let sheds_all = least > budget + margin / 2;
-        // A choice that takes longer than what it frees would lengthen the tick: a strike late in a
-        // tick keeps its modes, and the next tick sheds.
-        if sheddable + if sheds_all { rest.force_cycles } else { 0 } <= survey_cycles {
-            return None;
-        }
-        let amount = if sheds_all {
-            self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups() / 3)]);
-            ShedAmount::All
-        } else {
-            self.report.counts += &survey;
+        let sheddable = rest.sheddable_cycles().min(predicted);
+        let choice_cycles = survey.cycles() + self.awake_groups * CostItem::ShedGroup.cycles();
+        let rough_cycles = self.rough_cycles() + first;
+        // A decision may take some of what is kept free: without it the strike would be silent.
+        let room = (budget + margin / 2).saturating_sub(predicted - sheddable);
+        let is_worth_a_survey = room >= choice_cycles + first;
+        // A decision that takes longer than what it frees would lengthen the tick: a strike late in
+        // a tick keeps its modes, and the next tick sheds.
+        let amount = if !is_worth_a_survey && room >= rough_cycles {
+            (sheddable > rough_cycles).then_some(ShedAmount::AllButFirst)
+        } else if room >= choice_cycles + first / self.awake.pads().count().max(1) as u32 {
+            // One group stays in any case.
+            let excess = predicted + survey.cycles() - budget;
+            let groups = self.awake_groups * excess.min(sheddable) / sheddable.max(1);
             // Groups free what they take, of which the prediction has a part.
-            ShedAmount::Cycles((predicted + survey_cycles - budget) * 100 / self.loop_percent.max(1))
+            let cycles = (excess + groups * CostItem::ShedGroup.cycles()) * 100 / self.loop_percent.max(1);
+            (sheddable > choice_cycles).then_some(ShedAmount::Cycles(cycles))
+        } else {
+            (sheddable + rest.force_cycles > choice_cycles).then_some(ShedAmount::All)
         };
+        let amount = amount?;
         let shed = self.shed(amount, direct);
         // Pads without any group left cost less still; only the groups' own share is certain.
         let kernels = match amount {
             ShedAmount::All => u32::MAX,
+            ShedAmount::AllButFirst => rest.kernel_cycles.saturating_sub(first),
             _ => {
                 let guards = shed.unguarded_groups * CostItem::GuardedGroup.cycles();
                 shed.cycles.saturating_sub(guards) * self.loop_percent / 100
             }
         };
         rest.free(kernels, shed.unguarded_groups);
-        Some(shed.groups as u16)
+        self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::ShedGroup, shed.groups)]);
+        if let ShedAmount::Cycles(_) = amount {
+            self.report.counts.add(CostItem::SurveyedGroup, self.awake_groups);
+        }
+        Some(match amount {
+            ShedAmount::AllButFirst => Shedding::AllButFirst,
+            _ => Shedding::Quietest(shed.groups as u16),
+        })
     }
 }
 
-/// Cycles of the predictions that a tick of several runs still makes: about as many of the runs
-/// behind each event as there are runs, and one of each run as it ends.
+/// Cycles of the predictions that a tick of several runs still makes: one of each run behind each
+/// event.
 fn predictions_ahead(rest: &Counts) -> u32 {
-    (rest.looks * CostItem::Look.cycles() + rest.pads * PREDICTED_PAD_CYCLES) * rest.looks.saturating_sub(1)
+    let looks = rest.looks / 2 + LOOKS_OF_A_PREDICTION;
+    (looks * CostItem::Look.cycles() + rest.pads * PREDICTED_PAD_CYCLES / 2) * rest.looks.saturating_sub(1)
 }
+
+/// Number of [`CostItem::Look`]s that a tick's second prediction takes beside its runs; a tick has
+/// the first one.
+const LOOKS_OF_A_PREDICTION: u32 = 2;
 
 /// Share of [`CostItem::Pad`] that its prediction takes.
 const PREDICTED_PAD_CYCLES: u32 = 120;
@@ -129,7 +180,7 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards. The dearest half takes 80 % of the time to
-/// its deadline on the F407 board and 86 % on the BlackPill
+/// its deadline on the F407 board and 90 % on the BlackPill
 /// (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 

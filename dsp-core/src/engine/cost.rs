@@ -57,6 +57,8 @@ pub enum CostItem {
     Survey,
     /// Register group that a survey looks at.
     SurveyedGroup,
+    /// Register group that is left out.
+    ShedGroup,
     /// Prediction of a run's cost.
     Look,
     /// Cycle of the modes' kernels, of which a [part](super::Setup::loop_percent) counts.
@@ -105,8 +107,9 @@ pub const CYCLES: [u32; COST_ITEMS] = by_item([
     (CostItem::MovedGroup, 980),
     (CostItem::SecondFrame, 210),
     (CostItem::OnsetFrame, 23),
-    (CostItem::Survey, 3400),
-    (CostItem::SurveyedGroup, 210),
+    (CostItem::Survey, 4000),
+    (CostItem::SurveyedGroup, 80),
+    (CostItem::ShedGroup, 150),
     (CostItem::Look, 425),
     (CostItem::KernelCycle, 1),
     (CostItem::ResidualStrike, 700),
@@ -200,6 +203,11 @@ impl Counts {
     #[inline(always)]
     pub(super) fn add_all<const N: usize>(&mut self, items: [(CostItem, u32); N]) {
         items.into_iter().for_each(|(item, count)| self.add(item, count));
+    }
+
+    /// Cycles that would be free if all groups were shed.
+    pub(super) fn sheddable_cycles(&self) -> u32 {
+        self.kernel_cycles + self.guarded_groups * CostItem::GuardedGroup.cycles()
     }
 
     /// Takes cycles of the kernels away, at most all of them, and groups that need no guard.

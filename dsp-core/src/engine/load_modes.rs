@@ -7,7 +7,7 @@ use super::stage::Stage;
 use super::state::Engine;
 use crate::built::Built;
 use crate::frames::{FEWEST_MODES, FEWEST_MODES_OF_SEVERAL, FrameMixer};
-use crate::memory::{Memory, Region};
+use crate::memory::Memory;
 use crate::room::Sample;
 use crate::scrape::Contact;
 use crate::voice::{Form, PadTables, Voice, VoiceSize};
@@ -64,8 +64,6 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
                 slot.load(&tables, rate, self.frames.as_deref_mut()).map_err(refused)?;
             }
         }
-        let missing = |error| LoadError::Memory { stage: Stage::Engine, error };
-        self.levels = memory.take(Region::Fast, self.groups_built as usize, || 0).map_err(missing)?;
         // Memory that is left then serves second positions.
         for (number, in_frames) in (0..kit.pads().len()).zip(in_frames) {
             let Some(tables) = PadTables::new(kit, number).filter(|_| !in_frames) else { continue };
@@ -120,17 +118,12 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             return Err(Form::TooDear);
         }
         let mut count = memory.rest();
-        let mut groups = self.groups_built as usize;
-        let mut take = |size: &VoiceSize| {
-            groups += size.groups();
-            Voice::take(&mut count, size).is_ok()
-        };
+        let mut take = |size: &VoiceSize| Voice::take(&mut count, size).is_ok();
         let mut fits = take(&framed);
         for later in usize::from(number) + 1..self.kit.pads().len() {
             let tables = PadTables::new(self.kit, later);
             fits &= tables.and_then(|tables| VoiceSize::new(&tables, self.rate).ok()).is_none_or(|size| take(&size));
         }
-        fits &= count.take(Region::Fast, groups, || 0u8).is_ok();
         fits &= self.has_mixer || FrameMixer::place(&mut count, true).is_ok();
         if fits { Ok(framed) } else { Err(Form::NoMemory) }
     }

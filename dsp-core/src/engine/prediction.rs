@@ -9,6 +9,17 @@ use crate::room::Sample;
 use crate::time::TICK_FRAMES;
 use crate::voice::Voice;
 
+/// Work that a prediction has counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// None: what is to come is not known, or sheds.
+    Nothing,
+    /// The run that follows.
+    Run,
+    /// The tick's rest: no other prediction is due in it.
+    Tick,
+}
+
 impl<S: Sample> Engine<'_, '_, S> {
     /// Counts a run that [`keep_budget`](Self::keep_budget) has not counted.
     #[inline(never)]
@@ -66,7 +77,10 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::ResidualCycle, self.filter_strike_cycles(event.pad));
                 counts.add_all(self.moved(event.pad, event.position).counts());
             }
-            Action::Shed(_) => *counts += &self.survey_counts(),
+            Action::Shed(_) => {
+                *counts += &self.survey_counts();
+                counts.add(CostItem::ShedGroup, self.awake_groups);
+            }
             // Counted at the tick at which they act.
             Action::Choke | Action::Release | Action::Level | Action::Silence => {}
             #[cfg(feature = "scrapes")]
@@ -76,14 +90,8 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     pub(super) fn survey_counts(&self) -> Counts {
         let mut counts = Counts::NONE;
-        counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups())]);
+        counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups)]);
         counts
-    }
-
-    /// Number of register groups of the pads that are awake.
-    pub(super) fn awake_groups(&self) -> u32 {
-        let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
-        awake.map(|voice| voice.group_count() as u32).sum()
     }
 
     pub(super) fn frames_to_tick(&self) -> u32 {
@@ -97,12 +105,18 @@ impl<S: Sample> Engine<'_, '_, S> {
         is_driven || bank.has_second_gains() && is_direct && direct_slot == 1
     }
 
-    /// Counts of the tick's rest, with the events that are known.
+    /// Counts of the tick's rest, with the events that are known; if there are any, also of the run
+    /// before the first of them.
     #[inline(never)]
-    pub(super) fn rest_of_tick(&mut self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Counts {
+    pub(super) fn rest_of_tick(
+        &mut self,
+        upcoming: &[Event],
+        direct: Option<Direct<'_>>,
+        of_next_run: &mut Counts,
+    ) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         if upcoming.first().is_none_or(|event| event.time.first_frame() >= end) {
-            return self.count_rest_of_tick(&[], direct, &mut []);
+            return self.count_rest_of_tick(&[], direct, &mut [], of_next_run);
         }
         for event in upcoming.iter().take_while(|event| event.time.first_frame() < end) {
             if event.action == Action::Strike {
@@ -111,12 +125,18 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         let struck = core::mem::take(&mut self.struck);
         struck.fill(0);
-        let total = self.count_rest_of_tick(upcoming, direct, struck);
+        let total = self.count_rest_of_tick(upcoming, direct, struck, of_next_run);
         self.struck = struck;
         total
     }
 
-    fn count_rest_of_tick(&self, upcoming: &[Event], direct: Option<Direct<'_>>, struck: &mut [u8]) -> Counts {
+    fn count_rest_of_tick(
+        &self,
+        upcoming: &[Event],
+        direct: Option<Direct<'_>>,
+        struck: &mut [u8],
+        of_next_run: &mut Counts,
+    ) -> Counts {
         let end = self.now + u64::from(self.frames_to_tick());
         let (mut now, mut total) = (self.now, Counts::NONE);
         let news = upcoming.iter().filter(|event| !event.acts_on_tick());
@@ -126,6 +146,9 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.add_run((next - now) as u32, direct, struck, &mut total);
             if self.frames.is_some() {
                 self.add_heads((next - now) as u32, direct, struck, &mut total);
+            }
+            if now == self.now && next < end {
+                *of_next_run = total;
             }
             while let Some(event) = events.next_if(|event| event.time.first_frame() == next) {
                 self.add_event(event, &mut total);
@@ -236,7 +259,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let on_bus = second_groups > 0 || voice.filters_join_in(true) || !voice.drives_quickly();
         let mut bus_frames = own_banks * frames;
         // Else nothing answers the force.
-        if groups > 0 {
+        if groups > 0 || voice.has_acceleration_sound() {
             if on_bus {
                 counts.add(CostItem::BusDrivenPad, 1);
                 bus_frames += frames;

@@ -1,5 +1,6 @@
 //! Blocks of any length, cut at ticks and at events.
 
+use super::prediction::Counted;
 use super::report::TickReport;
 use super::state::{Direct, Engine};
 use crate::event::{Action, Event, EventError};
@@ -109,13 +110,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         out.fill([0, 0]);
         let end = self.now.saturating_add(frames as u64);
         let (mut events, mut out, mut direct) = (events, out, direct);
-        let mut is_counted = false;
+        let mut counted = Counted::Nothing;
         while !out.is_empty() {
             direct.iter().for_each(|direct| self.wake(direct.pad));
             let begins_tick = self.now.is_multiple_of(TICK_FRAMES as u64);
             let mut news = begins_tick;
             if begins_tick {
-                is_counted = false;
+                counted = Counted::Nothing;
                 if cfg!(feature = "scrapes") && (!events.is_empty() || self.scrapes.are_told()) {
                     self.tell_due_motions(events);
                 }
@@ -127,7 +128,7 @@ impl<S: Sample> Engine<'_, '_, S> {
                 if cfg!(feature = "scrapes") && !begins_tick && event.action == Action::Silence {
                     self.end_contacts();
                 }
-                if !is_counted {
+                if counted != Counted::Tick {
                     self.count_event(event);
                 }
                 if !(begins_tick && event.is_motion()) {
@@ -137,8 +138,8 @@ impl<S: Sample> Engine<'_, '_, S> {
                 news |= !event.acts_on_tick();
             }
             if news && !self.idle {
-                if self.budget.is_some() && !is_counted {
-                    is_counted = self.keep_budget(events, end, direct, &mut log);
+                if self.budget.is_some() && counted != Counted::Tick {
+                    counted = self.keep_budget(events, end, direct, &mut log);
                 }
                 if core::mem::take(&mut self.expects) {
                     self.meet_expected();
@@ -155,8 +156,10 @@ impl<S: Sample> Engine<'_, '_, S> {
             let direct_now =
                 direct.and_then(|direct| Some(Direct { pad: direct.pad, force: direct.force.get(..length)? }));
             let passes_idle = self.idle && direct_now.is_none();
-            if self.budget.is_some() && !passes_idle && !is_counted {
+            if self.budget.is_some() && !passes_idle && counted == Counted::Nothing {
                 self.count_run(length as u32, direct_now);
+            } else if counted == Counted::Run {
+                counted = Counted::Nothing;
             }
             if passes_idle {
                 self.report.pass_asleep(self.unstruck_modes, self.modes_built, length);

@@ -1,8 +1,9 @@
 //! Shedding: the quietest register groups of all pads are left out until they are struck again.
 
 use super::cost::CostItem;
-use super::state::{Direct, Engine, direct_input};
-use crate::resonator::{Audience, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
+use super::state::{Direct, Engine, Hearing, direct_input};
+use crate::contact::ActiveContacts;
+use crate::resonator::{Audience, Bank, Shed, ShedChoice, ShedPlan, UpcomingRun, Use};
 use crate::room::Sample;
 
 /// Amount of work to shed.
@@ -10,10 +11,23 @@ use crate::room::Sample;
 pub(super) enum ShedAmount {
     /// All register groups.
     All,
+    /// All register groups but the first of each pad's object.
+    AllButFirst,
     /// A number of register groups, the quietest.
     Groups(u16),
     /// The quietest register groups, as many as free a number of cycles.
     Cycles(u32),
+}
+
+/// Groups that stay when a choice is carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stays {
+    /// Those that are not chosen.
+    NotChosen,
+    /// Of the chosen ones the first of each pad's object.
+    FirstOfObject,
+    /// None.
+    Nothing,
 }
 
 impl<S: Sample> Engine<'_, '_, S> {
@@ -22,71 +36,92 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn shed(&mut self, amount: ShedAmount, direct: Option<Direct<'_>>) -> Shed {
         self.listen(direct);
         let shed = match amount {
-            ShedAmount::All => self.shed_chosen(ShedChoice::ALL),
+            ShedAmount::All => self.shed_chosen(ShedChoice::ALL, Stays::Nothing),
+            ShedAmount::AllButFirst => self.shed_chosen(ShedChoice::ALL, Stays::FirstOfObject),
             _ => self.shed_quietest(amount),
         };
         self.report.shed += shed;
         shed
     }
 
-    /// Surveys all groups and sheds the quietest; [`ShedAmount::All`] needs no survey.
+    /// Surveys all groups and sheds the quietest.
     #[inline(never)]
     fn shed_quietest(&mut self, amount: ShedAmount) -> Shed {
-        let levels = core::mem::take(&mut self.levels);
-        let mut plan = ShedPlan::new(levels);
-        for (voice, listening) in self.voices.iter().zip(&*self.listening) {
-            match listening {
-                Some((audience, run)) => {
-                    voice.banks().iter().for_each(|bank| bank.plan_shedding(audience, *run, &mut plan))
-                }
-                None => plan.pass_over(voice.group_count()),
+        let mut plan = ShedPlan::EMPTY;
+        let frames = self.frames_to_tick() as u8;
+        for index in self.awake.pads().map(usize::from) {
+            let (Some(voice), Some(Some(hearing))) = (self.voices.get(index), self.hearings.get(index)) else {
+                continue;
+            };
+            for (number, bank) in (0u8..).zip(voice.banks()).filter(|(_, bank)| bank.group_count() > 0) {
+                let run = hearing.run_of(bank, number, voice.number, &self.contacts, frames);
+                bank.plan_shedding(&hearing.audience, run, &mut plan);
             }
         }
-        let count = match amount {
-            ShedAmount::All => u16::MAX,
-            ShedAmount::Groups(count) => count,
+        let (choice, cycles) = match amount {
+            ShedAmount::All | ShedAmount::AllButFirst => (ShedChoice::ALL, 0),
+            ShedAmount::Groups(count) => (plan.quietest(count), 0),
             ShedAmount::Cycles(excess) => plan.quietest_that_free(excess),
         };
-        let (choice, cycles_below) = plan.quietest(count);
-        let mut shed = self.shed_chosen(choice);
-        shed.cycles += cycles_below;
-        self.levels = plan.into_levels();
-        shed
+        let stays = if choice == ShedChoice::ALL { Stays::Nothing } else { Stays::NotChosen };
+        Shed { cycles, ..self.shed_chosen(choice, stays) }
     }
 
     /// Sheds the chosen register groups of all pads.
-    #[inline(never)] // one copy for both callers
-    fn shed_chosen(&mut self, mut choice: ShedChoice<'_>) -> Shed {
-        let mut shed = Shed::default();
-        for (voice, listening) in self.voices.iter_mut().zip(&*self.listening) {
-            let Some((audience, run)) = listening else {
-                choice.pass_over(voice.group_count());
+    #[inline(never)] // one copy for all callers
+    fn shed_chosen(&mut self, mut choice: ShedChoice, stays: Stays) -> Shed {
+        let mut shed = Shed::NOTHING;
+        let frames = self.frames_to_tick() as u8;
+        for index in self.awake.pads().map(usize::from) {
+            let (Some(voice), Some(Some(hearing))) = (self.voices.get_mut(index), self.hearings.get(index)) else {
                 continue;
             };
             voice.wake();
-            for bank in &mut *voice.banks {
-                shed += bank.shed(audience, *run, &mut choice);
+            let pad = voice.number;
+            for (number, bank) in (0u8..).zip(&mut *voice.banks).filter(|(_, bank)| bank.group_count() > 0) {
+                let mut run = hearing.run_of(bank, number, pad, &self.contacts, frames);
+                if hearing.is_driven && stays == Stays::Nothing {
+                    // A pad without any group takes less time, so those at rest go too.
+                    run.used = Use::Driven;
+                }
+                let first_stays = number == 0 && stays == Stays::FirstOfObject;
+                shed += bank.shed(&hearing.audience, run, &mut choice, first_stays);
             }
         }
         shed
     }
 
-    /// Notes for each pad that sounds how it is heard and how it will run.
+    /// Notes for each pad that is awake how it is heard, `None` if it will not sound.
     #[inline(never)]
     fn listen(&mut self, direct: Option<Direct<'_>>) {
-        let frames = self.frames_to_tick() as u8;
-        self.listening.fill(None);
         for number in self.awake.pads() {
             let index = usize::from(number);
-            let (Some(voice), Some(listening)) = (self.voices.get(index), self.listening.get_mut(index)) else { break };
+            let (Some(voice), Some(hearing)) = (self.voices.get(index), self.hearings.get_mut(index)) else { break };
             let (input, contact_samples) = self.contacts.ahead(number);
-            let input = input + direct_input(direct, number);
-            let used = if input > 0.0 { Use::Driven } else { Use::Free };
-            *listening = (used == Use::Driven || voice.is_ringing()).then(|| {
-                let guard = if voice.expects() { CostItem::GuardedGroup.cycles() as u16 } else { 0 };
-                let audience = Audience::new(voice.unit(), input, contact_samples);
-                (audience, UpcomingRun { used, frames, guard })
+            let direct = direct_input(direct, number);
+            let is_driven = input + direct > 0.0;
+            *hearing = (is_driven || voice.is_ringing()).then(|| Hearing {
+                audience: Audience::new(voice.unit(), input + direct, contact_samples),
+                is_driven,
+                is_direct: direct > 0.0,
+                expects: voice.expects(),
             });
+        }
+    }
+}
+
+impl Hearing {
+    /// Run of one of the pad's banks in the tick's rest.
+    #[inline(always)]
+    fn run_of(&self, bank: &Bank<'_>, number: u8, pad: u8, contacts: &ActiveContacts<'_>, frames: u8) -> UpcomingRun {
+        // A force acts on the object, whose bank is 0, and on the striker that brings it.
+        let is_by = |striker| contacts.is_any_by(pad, striker) || self.is_direct && striker == 0;
+        let is_driven = self.is_driven && number.checked_sub(1).is_none_or(is_by);
+        let guards = is_driven && self.expects && !bank.is_ringing();
+        UpcomingRun {
+            used: if is_driven { Use::Driven } else { Use::Free },
+            frames,
+            guard: if guards { CostItem::GuardedGroup.cycles() as u16 } else { 0 },
         }
     }
 }

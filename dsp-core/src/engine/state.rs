@@ -13,14 +13,22 @@ use crate::frames::FrameMixer;
 use crate::limiter::Limiter;
 use crate::memory::Words;
 use crate::output::Panner;
-use crate::resonator::{Audience, Bank, UpcomingRun};
+use crate::resonator::{Audience, Bank};
 use crate::room::{Room, Sample};
 use crate::table::Kit;
 use crate::time::TICK_FRAMES;
 use crate::voice::{Form, Residual, Voice};
 
-/// Audience of a pad and its coming run, for the budget; `None` for a pad that does not run.
-pub(super) type Listening = Option<(Audience, UpcomingRun)>;
+/// Hearing of a pad in the tick's rest, for the budget.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hearing {
+    pub(super) audience: Audience,
+    /// True if a force acts on the object, and if a direct one does.
+    pub(super) is_driven: bool,
+    pub(super) is_direct: bool,
+    /// True if groups at rest are to be guarded for the force.
+    pub(super) expects: bool,
+}
 
 /// Maximum number of impacts under way at once, in every engine: one more displaces the one
 /// nearest to its end. 42 are 650 strikes a second on each of eight pads with contacts of 8 ms.
@@ -65,10 +73,9 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) held: Held,
     pub(super) limiter: Option<&'m mut Limiter>,
     /// Scratch of the budget: how each pad is heard and will run, pads that known events will have
-    /// struck, the level of each register group.
-    pub(super) listening: &'m mut [Listening],
+    /// struck.
+    pub(super) hearings: &'m mut [Option<Hearing>],
     pub(super) struck: &'m mut [u8],
-    pub(super) levels: &'m mut [u8],
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
     /// Least change of place at which the gains follow a contact that goes on.
@@ -112,6 +119,8 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) unstruck_modes: u32,
     /// Number of modes of pads that sleep.
     pub(super) asleep_modes: u32,
+    /// Register groups of pads that are awake.
+    pub(super) awake_groups: u32,
     /// Number of modes of pads that sleep and have not been struck since the load.
     pub(super) asleep_unstruck_modes: u32,
     /// Sum of the pads' retired amplitudes, 1.0 = full scale.

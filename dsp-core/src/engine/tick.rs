@@ -6,7 +6,7 @@ use super::setup::Skipping;
 use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
 use crate::contact::{ActiveContacts, Contact};
-use crate::event::{Action, Event};
+use crate::event::{Action, Event, Shedding};
 use crate::frames::{BLOCK_FRAMES, InFrames};
 use crate::room::Sample;
 use crate::time::TICK_FRAMES;
@@ -72,8 +72,12 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Applies an event.
     pub(super) fn apply(&mut self, event: &Event, direct: Option<Direct<'_>>) {
-        if let Action::Shed(count) = event.action {
-            self.shed(ShedAmount::Groups(count), direct);
+        if let Action::Shed(shedding) = event.action {
+            let amount = match shedding {
+                Shedding::Quietest(count) => ShedAmount::Groups(count),
+                Shedding::AllButFirst => ShedAmount::AllButFirst,
+            };
+            self.shed(amount, direct);
             return;
         }
         if event.is_choke_or_release() {
@@ -154,6 +158,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn wake(&mut self, pad: u8) {
         let Some(voice) = self.voices.get(usize::from(pad)) else { return };
         if self.awake.wake(pad) {
+            self.awake_groups += voice.group_count() as u32;
             self.asleep_modes -= voice.mode_count() as u32;
             self.asleep_unstruck_modes -= if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
         }
@@ -170,6 +175,7 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
             let sleeps = is_skipping && voice.can_sleep() && !self.contacts.is_any_on(pad);
             if sleeps {
+                self.awake_groups -= voice.group_count() as u32;
                 self.asleep_modes += voice.mode_count() as u32;
                 self.asleep_unstruck_modes += if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
             }

@@ -289,6 +289,12 @@ impl Voice<'_, '_> {
         self.expected > 0
     }
 
+    /// True if the force itself sounds, whatever is shed.
+    #[inline(always)]
+    pub fn has_acceleration_sound(&self) -> bool {
+        self.acceleration.is_built()
+    }
+
     /// True if a force would be heard: not all groups are shed, or there is an acceleration sound.
     pub fn responds(&self) -> bool {
         self.acceleration.is_built() || self.banks.iter().any(Bank::has_admitted)

@@ -2,7 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::engine::Direct;
-use dsp_core::event::{Action, Event, Time};
+use dsp_core::event::{Action, Event, Shedding, Time};
 use dsp_core::scrape::Motion;
 use virtual_core::{Call, Image, Machine};
 
@@ -37,8 +37,6 @@ pub struct Told {
     pub shed_groups: u32,
     /// Number of modes in the groups that were left out.
     pub shed_modes: u32,
-    /// Bound of the amplitude of all modes that were left out.
-    pub shed_amplitude: f32,
     /// Shed decisions of the whole block, as events.
     pub decisions: Vec<Event>,
 }
@@ -149,24 +147,20 @@ impl EngineOnChip {
     /// [`OnChipError::Run`].
     pub fn told(&mut self) -> Result<Told, OnChipError> {
         let address = self.machine.call("engine_told", &[])?.value;
-        let mut head = [0; 20];
+        let mut head = [0; 16];
         self.machine.read(address, &mut head)?;
         let words: Vec<u32> = words_of(&head).iter().map(|&word| word as u32).collect();
         let mut decisions = Vec::new();
-        for index in 0..words[4] {
+        for index in 0..words[3] {
             let mut event = [0; EVENT_BYTES];
-            self.machine.read(address + 24 + EVENT_BYTES as u32 * index, &mut event)?;
+            self.machine.read(address + 16 + EVENT_BYTES as u32 * index, &mut event)?;
             let frame = u64::from_le_bytes(*event.first_chunk().unwrap_or(&[0; 8]));
-            let groups = u16::from_le_bytes([event[24], event[25]]);
-            decisions.push(Event { time: Time::at_frame(frame), action: Action::Shed(groups), ..Event::NOTHING });
+            let groups = u32::from_le_bytes(*event[24..].first_chunk().unwrap_or(&[0; 4]));
+            // The image's `ALL_BUT_FIRST` is no number of groups.
+            let shedding = u16::try_from(groups).map_or(Shedding::AllButFirst, Shedding::Quietest);
+            decisions.push(Event { time: Time::at_frame(frame), action: Action::Shed(shedding), ..Event::NOTHING });
         }
-        Ok(Told {
-            predicted_cycles: words[0],
-            shed_groups: words[1],
-            shed_modes: words[2],
-            shed_amplitude: f32::from_bits(words[3]),
-            decisions,
-        })
+        Ok(Told { predicted_cycles: words[0], shed_groups: words[1], shed_modes: words[2], decisions })
     }
 
     /// Memory of the engine on a chip.
@@ -202,8 +196,12 @@ fn wire(event: &Event) -> [u8; EVENT_BYTES] {
         Action::Strike => 0,
         Action::Choke => 1,
         Action::Release => 2,
-        Action::Shed(groups) => {
-            bytes[24..26].copy_from_slice(&groups.to_le_bytes());
+        Action::Shed(shedding) => {
+            let groups = match shedding {
+                Shedding::Quietest(groups) => groups.into(),
+                Shedding::AllButFirst => u32::MAX,
+            };
+            bytes[24..28].copy_from_slice(&groups.to_le_bytes());
             3
         }
         Action::Level => 4,

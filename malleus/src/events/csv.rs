@@ -2,7 +2,7 @@
 
 use dsp_core::SampleRate;
 use dsp_core::contact::law::{MAX_CONTACT_TIME_S, MIN_CONTACT_TIME_S};
-use dsp_core::event::{Action, Event, Time};
+use dsp_core::event::{Action, Event, Shedding, Time};
 use dsp_core::table::Kit;
 
 use super::error::EventsFault;
@@ -16,6 +16,9 @@ const COLUMNS: [&str; 9] =
 const MOST_FORCE: f64 = 1e6;
 /// Shortest and longest contact time in seconds.
 const CONTACT_TIMES_S: std::ops::RangeInclusive<f64> = MIN_CONTACT_TIME_S..=MAX_CONTACT_TIME_S;
+
+/// Action that leaves out all register groups but the first of each object.
+const ALL_BUT_FIRST: &str = "shed all but first";
 
 /// Parses CSV bytes into events for a kit at a sample rate.
 ///
@@ -61,7 +64,8 @@ pub fn write(events: &[Event], kit: &Kit<'_>, rate: SampleRate) -> String {
     for event in events {
         let time = if whole { event.time.frame.to_string() } else { seconds(event.time, rate).to_string() };
         let line = match event.action {
-            Action::Shed(groups) => format!("{time},,,,,shed {groups}\n"),
+            Action::Shed(Shedding::Quietest(groups)) => format!("{time},,,,,shed {groups}\n"),
+            Action::Shed(Shedding::AllButFirst) => format!("{time},,,,,{ALL_BUT_FIRST}\n"),
             Action::Level => format!("{time},,{},,,level\n", event.velocity),
             Action::Silence => format!("{time},,,,,silence\n"),
             action => {
@@ -129,10 +133,11 @@ impl EventRow<'_> {
             "release" => Action::Release,
             "level" => Action::Level,
             "silence" => Action::Silence,
+            ALL_BUT_FIRST => Action::Shed(Shedding::AllButFirst),
             action => {
-                action.strip_prefix("shed ").and_then(|groups| groups.parse().ok()).map(Action::Shed).ok_or_else(
-                    || self.fault("action", "must be strike, choke, release, level, silence or shed N".to_owned()),
-                )?
+                let groups = action.strip_prefix("shed ").and_then(|groups| groups.parse().ok());
+                let allowed = || format!("must be strike, choke, release, level, silence, shed N or {ALL_BUT_FIRST}");
+                Action::Shed(Shedding::Quietest(groups.ok_or_else(|| self.fault("action", allowed()))?))
             }
         };
         match action {

@@ -22,6 +22,25 @@ fn log_of_a_budget_plays_to_the_bits_of_the_logged_run() {
     assert!(played("play --kit kit.toml --strikes log.csv -o again.wav", "again.wav") == busy, "{log}");
 }
 
+#[test]
+fn first_modes_of_each_pad_stay_where_time_is_short_and_the_log_says_so() {
+    let folder = Folder::new();
+    let played = |strikes: &str, options: &str| {
+        let words = format!("play --kit demo --board blackpill-f411 --strikes {strikes} -o out.wav{options}");
+        let output = folder.malleus(&words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+        fs::read(folder.path("out.wav")).unwrap()
+    };
+    let pads = kit::open("demo").unwrap().kit.pads;
+    let [first, second] = [0, 9].map(|pad: usize| &pads[pad].name);
+    let strikes = format!("sample,pad,velocity\n330,{first},0.8\n714,{second},0.8\n");
+    folder.write("strikes.csv", strikes.as_bytes());
+    let sound = played("strikes.csv", " --log log.csv");
+    let log = fs::read_to_string(folder.path("log.csv")).unwrap();
+    assert!(log.contains("\n714,,,,,shed all but first\n"), "{log}");
+    assert!(played("log.csv", "") == sound, "{log}");
+}
+
 /// A kit of two pads with 60 modes each: at once, the faster board has time for some of the modes,
 /// the slower one for none.
 fn many_modes() -> String {

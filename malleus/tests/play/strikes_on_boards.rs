@@ -80,5 +80,5 @@ fn strikes_on_boards_are_never_silent_alone_and_in_pairs_as_the_page_says() {
     let of_disc1 = [0, 48, 384].map(|gap| in_pairs::<Stm32f407gDisc1>(&kit, &modes, gap));
     assert_eq!(of_disc1, [[55, 52, 1], [110, 100, 0], [110, 110, 0]]);
     let of_blackpill = [0, 48, 384].map(|gap| in_pairs::<BlackpillF411>(&kit, &modes, gap));
-    assert_eq!(of_blackpill, [[55, 7, 48], [110, 32, 77], [110, 66, 37]]);
+    assert_eq!(of_blackpill, [[55, 7, 24], [110, 32, 76], [110, 66, 18]]);
 }

@@ -70,11 +70,10 @@ impl BankCosts {
         self.driven = self.all;
     }
 
-    /// Takes out a group that is left out from now on.
-    #[inline(always)]
-    pub(super) fn leave_out(&mut self, group: &Group) {
-        self.driven.cycles = self.driven.cycles.saturating_sub(whole_driven(group.plan()));
-        self.driven.groups = self.driven.groups.saturating_sub(1);
+    /// Takes out groups that are left out from now on, with their [`whole_driven`] cycles.
+    pub(super) fn leave_out(&mut self, groups: u32, cycles: u32) {
+        self.driven.cycles = self.driven.cycles.saturating_sub(cycles);
+        self.driven.groups = self.driven.groups.saturating_sub(groups as u16); // banks count in 16 bits
     }
 
     /// Begins to count the groups that ring.
@@ -106,8 +105,8 @@ impl BankCosts {
         if frames == TICK_FRAMES as u32 {
             return whole;
         }
-        // Of 1024. From a quarter of a tick on, full groups are within 6 % of `Costs::of_cut_tick`;
-        // those with phases, of which it takes no account, are up to 20 % above.
+        // Of 1024. From a quarter of a tick on, full groups are within 6 % of the kernels; those
+        // with phases are up to 20 % above.
         let share = if used == Use::Free { 133 + 43 * frames } else { 127 + 49 * frames };
         (whole * share) >> 10
     }
@@ -120,52 +119,13 @@ impl BankCosts {
 
 /// Cycles of a group under a force over a whole tick.
 #[inline(always)]
-fn whole_driven(plan: &Plan) -> u32 {
+pub(super) fn whole_driven(plan: &Plan) -> u32 {
     let table = if plan.has_phase() { &WHOLE_PHASE } else { &WHOLE_GAIN };
     table.get(plan.count()).copied().unwrap_or(0)
 }
 
-/// Cycles of groups over a run, from the assembly's treatment of their modes (nominal model;
-/// `cargo test -p host-tests --test on_chip budget` holds the sums to 3 %).
-pub(super) struct Costs {
-    used: Use,
-    frames: u32,
-    /// Cycles of a whole tick, for groups with one gain, and with gain and phase.
-    plain: &'static [u32; GROUP_MODES + 1],
-    phase: &'static [u32; GROUP_MODES + 1],
-}
-
-impl Costs {
-    pub(super) fn new(used: Use, frames: u32) -> Self {
-        let (plain, phase) = match used {
-            Use::Free => (&WHOLE_FREE, &WHOLE_FREE),
-            Use::Driven | Use::Struck => (&WHOLE_GAIN, &WHOLE_PHASE),
-        };
-        Self { used, frames, plain, phase }
-    }
-
-    #[inline(always)]
-    pub(super) fn of(&self, plan: &Plan) -> u32 {
-        if self.frames != TICK_FRAMES as u32 {
-            return self.of_cut_tick(plan);
-        }
-        let table = if plan.has_phase() { self.phase } else { self.plain };
-        table.get(plan.count()).copied().unwrap_or(0)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn of_cut_tick(&self, plan: &Plan) -> u32 {
-        let (count, frames) = (plan.count() as u32, self.frames);
-        OTHER_GROUP
-            + match self.used {
-                Use::Free => count / 3 * (65 + 21 * frames) + count % 3 * (35 + 12 * frames),
-                Use::Driven | Use::Struck => count / 2 * (60 + 23 * frames) + count % 2 * (40 + 16 * frames),
-            }
-    }
-}
-
-/// Cycles of a group over a whole tick, by its number of modes.
+/// Cycles of a group over a whole tick, by its number of modes, from the assembly's treatment of
+/// them (nominal model; `cargo test -p host-tests --test on_chip budget` holds the sums to 3 %).
 const WHOLE_FREE: [u32; GROUP_MODES + 1] = by_count(3, FREE_THREE, [0, FREE_ONE, FREE_TWO]);
 const WHOLE_GAIN: [u32; GROUP_MODES + 1] = by_count(2, GAIN_TWO, [0, DRIVEN_ONE, 0]);
 const WHOLE_PHASE: [u32; GROUP_MODES + 1] = by_count(2, PHASE_TWO, [0, DRIVEN_ONE, 0]);

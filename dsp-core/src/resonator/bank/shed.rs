@@ -6,9 +6,12 @@
 //! quietest" means the same groups wherever the same events are played.
 
 use super::super::group::Group;
+#[cfg(feature = "counts")]
 use super::super::headroom::GROWTH_OF_V;
-use super::run_cost::{Costs, UpcomingRun, Use};
-use super::shed_plan::{Audience, ShedChoice, ShedPlan, bound, level};
+use super::run_cost::{UpcomingRun, Use, whole_driven};
+#[cfg(feature = "counts")]
+use super::shed_plan::bound;
+use super::shed_plan::{Audience, ShedChoice, ShedPlan, runs};
 use super::state::Bank;
 
 /// Sum of what was left out.
@@ -19,9 +22,10 @@ pub struct Shed {
     /// Number of modes.
     pub modes: u32,
     /// Bound of the amplitude that is missing because of it, 1.0 = full scale, summed over the
-    /// modes.
+    /// modes. Kept on a PC alone (feature `counts`).
+    #[cfg(feature = "counts")]
     pub amplitude: f32,
-    /// Cycles saved until the tick's end, guards included, as far as there was a choice.
+    /// Cycles saved until the tick's end, guards included, if there was a choice.
     pub cycles: u32,
     /// Number of groups among them that needed a guard in this tick.
     pub unguarded_groups: u32,
@@ -29,46 +33,41 @@ pub struct Shed {
 
 impl Shed {
     /// Nothing left out.
-    pub const NOTHING: Self = Self { groups: 0, modes: 0, amplitude: 0.0, cycles: 0, unguarded_groups: 0 };
+    pub const NOTHING: Self = Self {
+        groups: 0,
+        modes: 0,
+        #[cfg(feature = "counts")]
+        amplitude: 0.0,
+        cycles: 0,
+        unguarded_groups: 0,
+    };
 }
 
 impl core::ops::AddAssign for Shed {
     fn add_assign(&mut self, other: Self) {
         self.groups += other.groups;
         self.modes += other.modes;
-        self.amplitude += other.amplitude;
+        #[cfg(feature = "counts")]
+        {
+            self.amplitude += other.amplitude;
+        }
         self.cycles += other.cycles;
         self.unguarded_groups += other.unguarded_groups;
     }
 }
 
 impl Bank<'_> {
-    /// Adds the bank's groups to a shed plan: the loudness of each, `SILENT` for those that would
-    /// not run, and the cycles of each step of loudness. Under a force all groups would run that
-    /// are not left out already, else those that ring.
-    #[inline(never)]
+    /// Adds the bank's groups to a shed plan. Under a force all would run that are not left out
+    /// already, else those that ring. Each counts as much as the others: the sum is right.
     pub fn plan_shedding(
         &self,
         audience: &Audience,
         UpcomingRun { used, frames, guard }: UpcomingRun,
-        plan: &mut ShedPlan<'_>,
+        plan: &mut ShedPlan,
     ) {
-        let costs = Costs::new(used, frames.into());
-        let places = plan.levels.iter_mut().skip(plan.surveyed);
-        for (group, place) in self.groups.iter().zip(places) {
-            if runs(group, used) {
-                let level = level(group, audience);
-                *place = level;
-                plan.running += 1;
-                plan.lowest = plan.lowest.min(level);
-                let at = usize::from(level);
-                if let (Some(groups), Some(total)) = (plan.groups.get_mut(at), plan.cycles.get_mut(at)) {
-                    *groups += 1;
-                    *total += costs.of(group.plan()) + u32::from(guard);
-                }
-            }
+        if let Some(cycles_each) = self.costs.cycles(used, frames.into()).checked_div(self.costs.groups(used)) {
+            plan.add(self.groups, audience, used, cycles_each + u32::from(guard));
         }
-        plan.pass_over(self.groups.len());
     }
 
     /// Cycles of the bank over a run of frames, without those of the call.
@@ -103,51 +102,46 @@ impl Bank<'_> {
         self.allowance == 0
     }
 
-    /// Leaves out those of the chosen groups that would run. The cycles of the result are those of
-    /// the choice's last level; the plan knows those of the others ([`ShedPlan::quietest`]).
+    /// Leaves out those of the chosen groups that would run, of which the first may stay. The plan
+    /// knows their cycles ([`ShedPlan::quietest_that_free`]).
+    #[inline(never)] // few registers: the loop stays short
     pub fn shed(
         &mut self,
         audience: &Audience,
-        UpcomingRun { used, frames, guard }: UpcomingRun,
-        choice: &mut ShedChoice<'_>,
+        run: UpcomingRun,
+        choice: &mut ShedChoice,
+        mut first_stays: bool,
     ) -> Shed {
-        let costs = Costs::new(used, frames.into());
-        let (mut count, mut modes, mut lost, mut saved, mut rang) = (0, 0, 0.0, 0, false);
-        let mut start = 0;
-        let levels = choice.levels;
-        for (index, group) in self.groups.iter_mut().enumerate() {
-            let level = levels.and_then(|levels| levels.get(index)).copied().unwrap_or(0);
-            let first = start;
-            start += group.count();
-            if level > choice.threshold || !runs(group, used) {
+        let mut shed = Shed::NOTHING;
+        let (mut cycles, mut rang) = (0, false);
+        let mut rest = &mut *self.modes;
+        for group in &mut *self.groups {
+            let (own, others) = rest.split_at_mut_checked(group.count()).unwrap_or_default();
+            rest = others;
+            if !runs(group, run.used) || core::mem::take(&mut first_stays) || !choice.takes(group, audience) {
                 continue;
             }
-            if level == choice.threshold {
-                if choice.at_threshold == 0 {
-                    continue;
-                }
-                choice.at_threshold -= 1;
-                saved += costs.of(group.plan()) + u32::from(guard);
+            shed.groups += 1;
+            shed.modes += own.len() as u32; // at most 6
+            #[cfg(feature = "counts")]
+            {
+                shed.amplitude += bound(group, audience) * own.len() as f32;
             }
-            count += 1;
-            modes += (start - first) as u32;
-            lost += bound(group, audience) * (start - first) as f32;
             rang |= group.ringing();
-            self.costs.leave_out(group);
-            group.shed(self.modes.get_mut(first..start).unwrap_or(&mut []));
+            cycles += whole_driven(group.plan());
+            group.shed(own);
         }
-        choice.pass_over(self.groups.len());
+        self.costs.leave_out(shed.groups, cycles);
         // Groups at rest are no part of the mix.
         if rang {
             self.prepare();
         }
-        Shed {
-            groups: count,
-            modes,
-            amplitude: lost * (2 * GROWTH_OF_V) as f32 * audience.unit,
-            cycles: saved,
-            unguarded_groups: if guard > 0 { count } else { 0 },
+        #[cfg(feature = "counts")]
+        {
+            shed.amplitude *= (2 * GROWTH_OF_V) as f32 * audience.unit;
         }
+        shed.unguarded_groups = if run.guard > 0 { shed.groups } else { 0 };
+        shed
     }
 
     /// Lets input reach all groups again, for a new strike.
@@ -163,13 +157,4 @@ impl Bank<'_> {
             self.costs.admit();
         }
     }
-}
-
-fn runs(group: &Group, used: Use) -> bool {
-    group.ringing()
-        || match used {
-            Use::Free => false,
-            Use::Driven => !group.is_shed(),
-            Use::Struck => true,
-        }
 }

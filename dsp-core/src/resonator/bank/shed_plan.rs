@@ -1,22 +1,29 @@
 //! Loudness of the groups of an engine, and the choice of those that are left out.
 
 use super::super::group::Group;
+use super::run_cost::Use;
 
 /// Half octaves that stand for no input at all.
 const NOTHING_TO_COME: i16 = -4000;
 
-/// Number of steps of loudness: 3 dB each, from -180 dBFS.
-const LEVELS: usize = 64;
+/// Number of steps of loudness: 3 dB each, from -108 dBFS.
+const LEVELS: usize = 40;
+
+/// Step of 0 dBFS.
+const FULL_SCALE: i16 = 36;
 
 /// Scale of the output, and the input that is still to come.
 #[derive(Clone, Copy, Debug)]
 pub struct Audience {
     /// Output (1.0 = full scale) that a bus step of the bank makes.
+    #[cfg(feature = "counts")]
     pub(super) unit: f32,
-    unit_half_octaves: i16,
+    /// Step of a loudness of one bus step.
+    step: i16,
     /// Input in half octaves, [`NOTHING_TO_COME`] if none is to come.
     input_half_octaves: i16,
-    contact_half_octaves: i16,
+    /// Half octaves that a contact's impulse loses at an angle of 1 radian a frame.
+    corner_half_octaves: i16,
 }
 
 impl Audience {
@@ -27,119 +34,128 @@ impl Audience {
         // A float's exponent and the first bit of its fraction count half octaves.
         let half_octaves = |x: f32| (x.to_bits() >> 22) as i16 - (127 << 1);
         Self {
+            #[cfg(feature = "counts")]
             unit,
-            unit_half_octaves: half_octaves(unit),
+            step: half_octaves(unit) + FULL_SCALE,
             input_half_octaves: if input > 0.0 { half_octaves(input) } else { NOTHING_TO_COME },
-            contact_half_octaves: half_octaves(contact_samples).max(0),
+            // The spectrum of a pulse of N samples falls as 1/(1 + (2 f N/fs)²), and (2 f N/fs)² =
+            // θ² N²/π².
+            corner_half_octaves: 2 * half_octaves(contact_samples).max(0) - 7,
         }
     }
 }
 
 /// All groups of an engine by loudness, and their cycles.
 #[derive(Debug)]
-pub struct ShedPlan<'l> {
-    /// Level of each group in the order of the banks, or [`SILENT`].
-    pub(super) levels: &'l mut [u8],
-    /// Number of groups that have been added.
-    pub(super) surveyed: usize,
+pub struct ShedPlan {
     /// Groups and cycles of each level.
-    pub(super) groups: [u16; LEVELS],
+    groups: [u16; LEVELS],
+    cycles: [u32; LEVELS],
     /// Number of groups that would run.
-    pub(super) running: u16,
-    /// Lowest level of a group. Most plans have groups at few of the levels.
-    pub(super) lowest: u8,
-    pub(super) cycles: [u32; LEVELS],
+    running: u16,
+    /// Number of levels from the lowest one of a group on. Most plans have groups at few levels.
+    occupied: u8,
 }
 
-impl<'l> ShedPlan<'l> {
-    /// A plan of no group yet; `levels` has a byte for each group of the engine.
-    pub fn new(levels: &'l mut [u8]) -> Self {
-        levels.fill(SILENT);
-        Self { levels, surveyed: 0, groups: [0; LEVELS], running: 0, lowest: LEVELS as u8, cycles: [0; LEVELS] }
+impl ShedPlan {
+    /// A plan of no group yet.
+    pub const EMPTY: Self = Self { groups: [0; LEVELS], cycles: [0; LEVELS], running: 0, occupied: 0 };
+
+    /// Adds the groups of a bank, which take so many cycles each.
+    #[inline(never)] // few registers: the loop stays short
+    pub(super) fn add(&mut self, groups: &[Group], audience: &Audience, used: Use, cycles_each: u32) {
+        for group in groups.iter().filter(|group| runs(group, used)) {
+            let level = level(group, audience);
+            self.occupied = self.occupied.max(LEVELS as u8 - level);
+            let at = usize::from(level);
+            if let (Some(groups), Some(cycles)) = (self.groups.get_mut(at), self.cycles.get_mut(at)) {
+                *groups += 1;
+                *cycles += cycles_each;
+                self.running += 1;
+            }
+        }
     }
 
-    /// Gives the levels' memory back.
-    pub fn into_levels(self) -> &'l mut [u8] {
-        self.levels
-    }
-
-    /// Passes over groups that will not run.
-    pub fn pass_over(&mut self, groups: usize) {
-        self.surveyed += groups;
-    }
-
-    /// Cycles, groups and number of each level from the lowest one on.
+    /// Cycles, groups and number of each level from the lowest one of a group on.
     #[inline(always)]
-    fn occupied(&self) -> impl Iterator<Item = (&u32, &u16, u8)> {
-        let from = usize::from(self.lowest)..;
-        let of_level = |((cycles, groups), level)| (cycles, groups, level);
+    fn levels(&self) -> impl Iterator<Item = (u32, u32, u8)> {
+        let lowest = LEVELS as u8 - self.occupied;
+        let from = usize::from(lowest)..;
+        let of_level = |((&cycles, &groups), level)| (cycles, u32::from(groups), level);
         let cycles = self.cycles.get(from.clone()).unwrap_or(&[]);
-        cycles.iter().zip(self.groups.get(from).unwrap_or(&[])).zip(self.lowest..).map(of_level)
+        cycles.iter().zip(self.groups.get(from).unwrap_or(&[])).zip(lowest..).map(of_level)
     }
 
-    /// Number of the quietest groups that must go to free `excess` cycles. The loudest one stays,
-    /// even if its cycles are missing, because a strike without it would be silent. A tick keeps
-    /// time free that they come from (`cargo test -p virtual-board --test boards load`).
-    pub fn quietest_that_free(&self, excess: u32) -> u16 {
-        let (mut total, mut chosen) = (0, 0u16);
-        for (&cycles, &groups, _) in self.occupied() {
-            if total + cycles >= excess {
+    /// Choice of the quietest groups that must go to free `excess` cycles, and their cycles. The
+    /// loudest one stays, even if its cycles are missing, because a strike without it would be
+    /// silent. A tick keeps time free that they come from (`cargo test -p virtual-board --test
+    /// boards load`).
+    pub fn quietest_that_free(&self, excess: u32) -> (ShedChoice, u32) {
+        let (mut left, mut freed) = (u32::from(self.running.saturating_sub(1)), 0);
+        for (cycles, groups, threshold) in self.levels() {
+            if freed + cycles >= excess || groups > left {
+                let each = cycles / groups.max(1);
                 // Of the level in which the excess ends, as many as suffice if the cheapest go
                 // first: a single mode costs a third of a full group's share.
-                let share = (excess - total).div_ceil((cycles / u32::from(groups.max(1))).max(1));
-                let share = (share + share / 2 + 1).min(u32::from(groups)) as u16;
-                return (chosen + share).min(self.running.saturating_sub(1));
+                let share = (excess - freed).div_ceil(each.max(1));
+                let at_threshold = (share + share / 2 + 1).min(groups).min(left);
+                return (ShedChoice { threshold, at_threshold }, freed + each * at_threshold);
             }
-            (total, chosen) = (total + cycles, chosen + groups);
+            (left, freed) = (left - groups, freed + cycles);
         }
-        self.running.saturating_sub(1)
+        (ShedChoice::ALL, freed)
     }
 
-    /// Choice of the `count` quietest groups, and the cycles of those that lie below the level of
-    /// the last.
-    pub fn quietest(&self, count: u16) -> (ShedChoice<'_>, u32) {
-        let (mut left, mut cycles_below) = (count, 0);
-        for (&cycles, &groups, threshold) in self.occupied() {
+    /// Choice of the `count` quietest groups.
+    pub fn quietest(&self, count: u16) -> ShedChoice {
+        let mut left = u32::from(count);
+        for (_, groups, threshold) in self.levels() {
             if groups > left {
-                let at_threshold = u32::from(left);
-                return (ShedChoice { levels: Some(self.levels), threshold, at_threshold }, cycles_below);
+                return ShedChoice { threshold, at_threshold: left };
             }
-            (left, cycles_below) = (left - groups, cycles_below + cycles);
+            left -= groups;
         }
-        (ShedChoice { levels: Some(self.levels), threshold: LEVELS as u8, at_threshold: 0 }, cycles_below)
+        ShedChoice::ALL
     }
 }
 
 /// Choice of the groups that are left out.
-#[derive(Debug)]
-pub struct ShedChoice<'a> {
-    /// Level of each group of the engine that has not been passed yet; `None` if all are equally
-    /// quiet.
-    pub(super) levels: Option<&'a [u8]>,
+#[derive(Debug, PartialEq, Eq)]
+pub struct ShedChoice {
     /// Level below which all groups go.
-    pub(super) threshold: u8,
+    threshold: u8,
     /// Number of groups at that level that still go, in the order of the banks.
-    pub(super) at_threshold: u32,
+    at_threshold: u32,
 }
 
-impl ShedChoice<'static> {
+impl ShedChoice {
     /// Choice of all groups.
-    pub const ALL: Self = Self { levels: None, threshold: LEVELS as u8, at_threshold: 0 };
-}
+    pub const ALL: Self = Self { threshold: LEVELS as u8, at_threshold: 0 };
 
-impl ShedChoice<'_> {
-    /// Passes over groups that will not run, in the order of the plan.
-    pub fn pass_over(&mut self, groups: usize) {
-        self.levels = self.levels.and_then(|levels| levels.get(groups..));
+    /// True if a group is chosen that would run.
+    #[inline(always)]
+    pub(super) fn takes(&mut self, group: &Group, audience: &Audience) -> bool {
+        let level = level(group, audience);
+        let is_last = level == self.threshold && self.at_threshold > 0;
+        self.at_threshold -= u32::from(is_last);
+        level < self.threshold || is_last
     }
 }
 
-/// Level of a group that would not run.
-const SILENT: u8 = u8::MAX;
+/// True if a group would run.
+#[inline(always)]
+pub(super) fn runs(group: &Group, used: Use) -> bool {
+    group.ringing()
+        || match used {
+            Use::Free => false,
+            Use::Driven => !group.is_shed(),
+            Use::Struck => true,
+        }
+}
 
 /// Half a bound of the amplitude of a mode of the group, ringing and input still to come, in bus
 /// steps.
-#[inline(always)]
+#[cfg(feature = "counts")]
 pub(super) fn bound(group: &Group, audience: &Audience) -> f32 {
     // Powers of two within a factor of two of the truth, which `shed` makes up for.
     let of_half_octaves = |half_octaves: i32| f32::from_bits((((half_octaves >> 1) + 127).max(0) as u32) << 23);
@@ -149,17 +165,11 @@ pub(super) fn bound(group: &Group, audience: &Audience) -> f32 {
 }
 
 /// Loudness in steps of 3 dB: that of the ringing or of the input to come, whichever is louder.
+/// Of a contact's impulse the first mode decides how much reaches the group.
 #[inline(always)]
-pub(super) fn level(group: &Group, audience: &Audience) -> u8 {
-    let lost = lost_to_the_contact(group, audience.contact_half_octaves.into());
+fn level(group: &Group, audience: &Audience) -> u8 {
+    let lost = (group.angle_quarter_octaves() + i32::from(audience.corner_half_octaves)).max(0);
     let coming = group.gain_half_octaves() + i32::from(audience.input_half_octaves) - lost;
     let loudest = if group.ringing() { coming.max(group.ringing_half_octaves()) } else { coming };
-    (loudest + i32::from(audience.unit_half_octaves) + 60).clamp(0, LEVELS as i32 - 1) as u8
-}
-
-/// Part of a contact's impulse that does not reach the group's first mode, in half octaves: the
-/// spectrum of a pulse of N samples falls as 1/(1 + (2 f N/fs)²), and (2 f N/fs)² = θ² N²/π².
-#[inline(always)]
-fn lost_to_the_contact(group: &Group, contact_half_octaves: i32) -> i32 {
-    (group.angle_quarter_octaves() + 2 * contact_half_octaves - 7).max(0)
+    (loudest + i32::from(audience.step)).clamp(0, LEVELS as i32 - 1) as u8
 }

@@ -139,7 +139,7 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
     let keep = |tick: &TickReport| {
         // Without a budget there are no counts, and the host does not ask for a prediction.
         let predicted = if tick.counts.is_any() { tick.predicted_cycles() } else { 0 };
-        *report = [predicted, tick.shed.groups, tick.shed.modes, tick.shed.amplitude.to_bits()];
+        *report = [predicted, tick.shed.groups, tick.shed.modes];
     };
     let log = |event: &Event| {
         if let Some(place) = decisions.get_mut(*decision_count) {
@@ -159,15 +159,15 @@ pub unsafe extern "C" fn engine_render(block: *const Block) -> i32 {
 /// the bits of the amplitude that is missing because of them.
 #[repr(C)]
 struct Told {
-    report: [u32; 4],
+    report: [u32; 3],
     decision_count: usize,
     decisions: [WireEvent; EVENTS],
 }
 
 static TOLD: Global<Told> =
-    Global(UnsafeCell::new(Told { report: [0; 4], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
+    Global(UnsafeCell::new(Told { report: [0; 3], decision_count: 0, decisions: [WireEvent::NOTHING; EVENTS] }));
 
-/// Address of the last call's report: four words, then the number of decisions, then (8-byte
+/// Address of the last call's report: three words, then the number of decisions, then (8-byte
 /// aligned) the decisions.
 #[unsafe(no_mangle)]
 #[unsafe(link_section = ".text.exported")]

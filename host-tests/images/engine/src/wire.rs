@@ -1,7 +1,10 @@
 //! Format in which the host hands over data: plain memory with a fixed layout, little-endian.
 
-use dsp_core::event::{Action, Event, Time};
+use dsp_core::event::{Action, Event, Shedding, Time};
 use dsp_core::scrape::Motion;
+
+/// Number that stands for all register groups but the first.
+const ALL_BUT_FIRST: u32 = u32::MAX;
 
 /// Event as the host writes and reads it: 40 bytes.
 #[derive(Clone, Copy)]
@@ -15,7 +18,8 @@ pub struct WireEvent {
     reserved: u8,
     velocity: f32,
     position: f32,
-    /// Number of register groups that a shed decision leaves out; 0 for other events.
+    /// Number of register groups that a shed decision leaves out, or [`ALL_BUT_FIRST`]; 0 for other
+    /// events.
     groups: u32,
     /// Least and largest normal force of a touch; velocity and normal force of a motion.
     numbers: [f32; 3],
@@ -34,7 +38,8 @@ impl WireEvent {
                 0 => Action::Strike,
                 1 => Action::Choke,
                 2 => Action::Release,
-                3 => Action::Shed(self.groups as u16),
+                3 if self.groups == ALL_BUT_FIRST => Action::Shed(Shedding::AllButFirst),
+                3 => Action::Shed(Shedding::Quietest(self.groups as u16)),
                 4 => Action::Level,
                 5 => Action::Silence,
                 6 => Action::Touch { rolls: false, normal_n: [x, y] },
@@ -47,7 +52,11 @@ impl WireEvent {
 
     /// Decision of the engine as an event; all its decisions are to shed.
     pub fn shedding(event: &Event) -> Self {
-        let groups = if let Action::Shed(groups) = event.action { u32::from(groups) } else { 0 };
+        let groups = match event.action {
+            Action::Shed(Shedding::Quietest(groups)) => groups.into(),
+            Action::Shed(Shedding::AllButFirst) => ALL_BUT_FIRST,
+            _ => 0,
+        };
         Self { frame: event.time.frame, action: 3, groups, ..Self::NOTHING }
     }
 
