@@ -71,10 +71,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             self.report.counts.add(CostItem::Look, rest.looks - u32::from(!is_last()) + LOOKS_OF_A_PREDICTION);
         }
         // Each strike reaches all groups of its pad again. So the choice waits for it, if shedding
-        // from then on suffices: a choice of now would be made twice.
+        // from then on suffices: a choice of now would be made twice. With several strikes to come
+        // each of them would have to choose.
         let is_above = predicted > budget;
         let first_groups_cycles = if is_above { self.first_groups_cycles() } else { 0 };
-        let waits = is_above && !is_last() && {
+        let waits = is_above && rest.looks == 2 && !is_last() && {
             let later = rest.sheddable_cycles() - of_next_run.sheddable_cycles();
             predicted + self.rough_cycles() + first_groups_cycles <= budget + margin / 2 + later
         };
@@ -124,9 +125,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         // A decision may take some of what is kept free: without it the strike would be silent.
         let room = (budget + margin / 2).saturating_sub(predicted - sheddable);
         let is_worth_a_survey = room >= choice_cycles + first;
+        // Each group that stays brings its pad's work with it, for which there is no time beside
+        // more than two strikes.
+        let may_keep_first = self.report.strikes <= 2;
         // A decision that takes longer than what it frees would lengthen the tick: a strike late in
         // a tick keeps its modes, and the next tick sheds.
-        let amount = if !is_worth_a_survey && room >= rough_cycles {
+        let amount = if may_keep_first && !is_worth_a_survey && room >= rough_cycles {
             (sheddable > rough_cycles).then_some(ShedAmount::AllButFirst)
         } else if room >= choice_cycles + first / self.awake.pads().count().max(1) as u32 {
             // One group stays in any case.
@@ -180,7 +184,7 @@ const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
 /// the waits of flash and the interrupts of the boards. The dearest half takes 80 % of the time to
-/// its deadline on the F407 board and 90 % on the BlackPill
+/// its deadline on the F407 board and 89 % on the BlackPill
 /// (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 
