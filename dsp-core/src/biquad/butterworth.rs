@@ -72,7 +72,7 @@ impl Exciter {
 
     /// Edges in Hz for a strike of a level (0 to 1): moved together, at most to 0.49 fs.
     pub fn edges_hz(&self, level: f64, rate: SampleRate) -> [f64; 2] {
-        let factor = exponential::power(level.clamp(libm::exp2(-31.0), 1.0), self.exponent) / rate.hz();
+        let factor = exponential::power(level.clamp(exponential::power_of_two(-31.0), 1.0), self.exponent) / rate.hz();
         let high = (self.high_hz * factor).clamp(2.0 * Self::LEAST_EDGE, Self::LARGEST_EDGE);
         let low = (self.low_hz * factor).clamp(Self::LEAST_EDGE, high / Self::LEAST_RATIO);
         [low, high].map(|edge| edge * rate.hz())

@@ -11,6 +11,7 @@
 
 use super::design::{Biquad, BiquadError, Root};
 use crate::SampleRate;
+use crate::exponential;
 
 /// A mode: `h(t) = e^{-d t} (gs sin 2πft + gc cos 2πft)`, a force of 1 for 1 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,7 +40,7 @@ pub struct ModalForm {
 impl Partial {
     /// Derives the biquad of the mode at a rate; the frequency must be below half the rate.
     pub fn to_biquad(self, rate: SampleRate) -> Biquad {
-        let radius = libm::exp(-self.decay_per_s / rate.hz());
+        let radius = exponential::exp(-self.decay_per_s / rate.hz());
         let pole = Root::polar(radius, core::f64::consts::TAU * self.frequency_hz / rate.hz());
         let half = self.cosine / 2.0 / rate.hz();
         Biquad { pole, numerator: [half, self.sine / rate.hz() * pole.imaginary, -half * pole.square()] }

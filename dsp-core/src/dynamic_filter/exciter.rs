@@ -102,9 +102,7 @@ impl BandPass {
         if !self.loaded {
             return;
         }
-        let power = Log2::new(level).power(self.exponent_q27);
-        // 2^-31 · 2^exponent is put together from its bits.
-        let factor = power.mantissa as f32 * f32::from_bits(((power.exponent - 31 + 127).clamp(1, 254) as u32) << 23);
+        let factor = Log2::new(level).power(self.exponent_q27).value();
         let [low, high] = self.edges;
         let high = (high * factor).clamp(2.0 * Exciter::LEAST_EDGE as f32, Exciter::LARGEST_EDGE as f32);
         // The ratio of the edges stays at least as large as the table's check demands.

@@ -15,6 +15,6 @@ mod scale;
 
 pub use format::{FULL_SCALE_24_BIT, ONE_Q27, q27_from};
 pub use high_word::{rounding_shift_right, smmla, smmlar, smmls, smmlsr, smmul, smmulr, times_q31};
-pub use power::{Log2, Power};
+pub use power::{Log2, Power, power};
 pub use saturating::{qadd, qsub, saturate, saturating_shift_left, sum_of_magnitudes, to_24_bit};
 pub use scale::Scale;

@@ -1,5 +1,16 @@
 //! Powers of a fraction in integers: they turn a velocity into force and contact time.
 
+/// Power of a number from 0 to 1, from 0 to 1 itself; `exponent` is 0 to 16.
+///
+/// The relative error is below 2e-8 times the exponent, and 1e-7.
+pub fn power(number: f32, exponent: f32) -> f32 {
+    match (number, exponent) {
+        (..=0.0, _) => 0.0,
+        (_, 1.0) => number.min(1.0),
+        _ => Log2::new(number).power((exponent * (1 << 27) as f32) as i32).value(),
+    }
+}
+
 /// Base-2 logarithm of a number in (0, 1], Q26: 0 down to -31.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Log2(i32);
@@ -58,6 +69,13 @@ impl Log2 {
 }
 
 impl Power {
+    /// The power as a number, within half a step of its 24 bits. Powers below 2^-126 give 2^-126,
+    /// powers above 2^127 about 2^127.
+    pub fn value(self) -> f32 {
+        // The power of two is put together from its bits.
+        self.mantissa as f32 * f32::from_bits(((self.exponent - 31 + 127).clamp(1, 254) as u32) << 23)
+    }
+
     /// Multiplies `value` by the power, rounded down; saturates at `u64::MAX`.
     pub fn of(self, value: u64) -> u64 {
         let product = (u128::from(value) * u128::from(self.mantissa)) >> 31;

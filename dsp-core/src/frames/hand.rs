@@ -6,6 +6,7 @@
 
 use super::{BLOCK_FRAMES, TICKS};
 use crate::SampleRate;
+use crate::exponential;
 use crate::resonator::coefficient::decay_of_t60;
 use crate::time::TICK_FRAMES;
 
@@ -78,7 +79,7 @@ impl Hand {
         let mut hand = Self::NONE;
         if t60_s > 0.0 {
             let nepers = decay_of_t60(t60_s, rate) / rate.hz();
-            let after = |frames: usize| libm::exp(-nepers * frames as f64) as f32;
+            let after = |frames: usize| exponential::exp(-nepers * frames as f64) as f32;
             hand.decay.ticks = core::array::from_fn(|tick| after(tick * TICK_FRAMES));
             hand.decay.frames = core::array::from_fn(after);
         }

@@ -27,7 +27,7 @@
 //! | RAM | 568 bytes |
 
 use crate::SampleRate;
-use crate::exponential::ratio_of_db;
+use crate::exponential::{loss, ratio_of_db};
 use crate::fixed::{self, ONE_Q27};
 use crate::memory::{Memory, OutOfMemory, Region};
 use crate::time::TICK_FRAMES;
@@ -74,7 +74,7 @@ impl Limiter {
     pub fn new(ceiling_db: f32, rate: SampleRate) -> Self {
         let db = if ceiling_db.is_nan() { 0.0 } else { f64::from(ceiling_db.clamp(LOWEST_CEILING_DB, 0.0)) };
         let ceiling = ratio_of_db(db) * f64::from(ONE_Q27);
-        let release = 1.0 - libm::exp(-(TICK_FRAMES as f64) / (RELEASE_S * rate.hz()));
+        let release = loss(TICK_FRAMES as f64 / (RELEASE_S * rate.hz()));
         Self {
             ceiling: (ceiling as i32).min(HIGHEST_CEILING) - ROUNDING,
             release: (release * 2_147_483_648.0) as i32,

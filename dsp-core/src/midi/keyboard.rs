@@ -2,6 +2,7 @@
 
 use super::message::Message;
 use crate::event::{Action, Event, Time};
+use crate::fixed;
 use crate::table::Kit;
 use crate::trigger::Settings;
 
@@ -172,8 +173,7 @@ impl<'k> Keyboard<'k> {
             play(Event { time, pad, action: Action::Release, ..Event::NOTHING });
         }
         let exponent = Settings::of_pad(&self.kit, pad).velocity_exponent;
-        let linear = share(velocity);
-        let velocity = if exponent == 1.0 { linear } else { libm::powf(linear, exponent).clamp(0.0, 1.0) };
+        let velocity = fixed::power(share(velocity), exponent);
         let position = share(self.positions.get(usize::from(channel)).copied().unwrap_or(0));
         play(Event { time, pad, velocity, position, ..Event::NOTHING });
     }

@@ -31,7 +31,7 @@ impl Elliptic {
         let (q, order) = (nome(k), (2 * count + 1) as f64);
         // cosh(order · Λ) is the high-pass's attenuation.
         let cosh = exponential::power(10.0, high_db / 20.0);
-        let base = libm::exp(libm::log(cosh + libm::sqrt(cosh * cosh - 1.0)) / order);
+        let base = exponential::power(cosh + libm::sqrt(cosh * cosh - 1.0), 1.0 / order);
         let (mut numerator, mut denominator, mut sign) = (0.0, 0.5, 1.0);
         for i in 0..TERMS {
             let i = f64::from(i);
@@ -88,7 +88,7 @@ impl Elliptic {
 /// Sum of the attenuations of low-pass and high-pass, each in the other's pass band, in dB: the
 /// one's gain is the other's loss.
 pub(super) fn shared_db(count: usize, k: f64) -> f64 {
-    -20.0 * libm::log10(4.0 * exponential::power(nome(k), count as f64 + 0.5))
+    -20.0 * core::f64::consts::LOG10_2 * exponential::log2(4.0 * exponential::power(nome(k), count as f64 + 0.5))
 }
 
 /// Number of terms of the series: with q below 0.1 the last is below 1e-40.

@@ -7,7 +7,8 @@
 
 use super::elliptic::{Elliptic, shared_db};
 use super::split::{LEAST_SECTIONS, Split};
-use crate::{exponential, sine};
+use crate::exponential::{self, exp, log2};
+use crate::sine;
 use core::f64::consts::PI;
 
 /// Selectivity k of splits of two, three and four sections: the end of the pass band over the
@@ -56,14 +57,14 @@ pub(super) struct Leaning {
 
 /// Number of sections that a split between two bands should have if there are cycles for them.
 pub(super) fn sections_wanted(low: &Side, high: &Side) -> usize {
-    let ratio = libm::exp(libm::fabs(libm::log(low.decay_per_s / high.decay_per_s)));
+    let ratio = (low.decay_per_s / high.decay_per_s).max(high.decay_per_s / low.decay_per_s);
     LEAST_SECTIONS + usize::from(ratio >= UNLIKE) + usize::from(ratio >= FAR_APART)
 }
 
 /// Level in dB by which a band's skirt drowns another band, beyond that of bands alike.
 pub(super) fn drowning_db(skirt: &Side, other: &Side) -> f64 {
-    let louder_db = 10.0 * libm::log10(skirt.energy / other.energy);
-    louder_db + LONGER_DB * libm::log2(other.decay_per_s / skirt.decay_per_s).clamp(-1.0, 1.0)
+    let louder_db = 10.0 * core::f64::consts::LOG10_2 * log2(skirt.energy / other.energy);
+    louder_db + LONGER_DB * log2(other.decay_per_s / skirt.decay_per_s).clamp(-1.0, 1.0)
 }
 
 /// Split of `sections` sections between two bands, of which the low side's skirt drowns the other
@@ -90,6 +91,6 @@ pub(super) fn leaning(by_low_db: f64, by_high_db: f64, at: &Edge, sections: usiz
 /// Integral by midpoints, in steps of one ratio.
 fn integral(from: f64, to: f64, power: impl Fn(f64) -> f64) -> f64 {
     let step = libm::log(to / from) / f64::from(STEPS);
-    let at = |index: i32| from * libm::exp((f64::from(index) + 0.5) * step);
+    let at = |index: i32| from * exp((f64::from(index) + 0.5) * step);
     (0..STEPS).map(|index| power(at(index)) * at(index) * step).sum()
 }

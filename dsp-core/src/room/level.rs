@@ -14,7 +14,7 @@ use super::dimensions::MAX_BLOCKS;
 use super::lines::SECOND_GAIN;
 use super::plan::BandPlan;
 use super::storage::Stored;
-use crate::fixed;
+use crate::{exponential, fixed};
 
 /// Number of blocks whose levels are remembered, a power of two.
 const HISTORY: usize = 64;
@@ -145,16 +145,16 @@ impl Level {
         let tick = nepers * plan.block() as f64;
         let (fraction, exponent) = libm::frexp(plan.output);
         Self {
-            decay: q32(libm::exp(-tick)) as u32,
-            growth: libm::rint(libm::expm1(tick) * 268_435_456.0) as u32,
-            sample_loss: q32(-libm::expm1(-nepers)) as i32,
-            sample_growth: q32(libm::expm1(nepers)) as i32,
+            decay: q32(exponential::exp(-tick)) as u32,
+            growth: libm::rint(-exponential::loss(-tick) * 268_435_456.0) as u32,
+            sample_loss: q32(exponential::loss(nepers)) as i32,
+            sample_growth: q32(-exponential::loss(-nepers)) as i32,
             output: libm::rint(fraction * 2_147_483_647.0) as u32,
             // Outputs are halved.
             output_exponent: exponent + 1,
             // Powers add: 1/(2 d) of them.
-            gathered_bits: libm::ceil(-0.5 * libm::log2(2.0 * nepers)).max(0.0) as i32,
-            room: (libm::ceil(libm::log2(SECOND_GAIN * libm::exp(tick))) as i32 - 1).max(0),
+            gathered_bits: libm::ceil(-0.5 * exponential::log2(2.0 * nepers)).max(0.0) as i32,
+            room: (libm::ceil(exponential::log2(SECOND_GAIN * exponential::exp(tick))) as i32 - 1).max(0),
             longest,
         }
     }

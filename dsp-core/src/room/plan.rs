@@ -7,6 +7,7 @@ use super::lines::INPUT_GAIN;
 use super::split::{LEAST_SECTIONS, MOST_SECTIONS, Split};
 use super::turn::TURN_FRAMES;
 use crate::SampleRate;
+use crate::exponential;
 use crate::table::layout::RoomBandRecord;
 
 /// Highest edge of a band that may run at a rate, of that rate, of few bands and of more. The lower
@@ -285,7 +286,7 @@ fn is_prime(n: usize) -> bool {
 /// and right, added up by [chains](super::feed), is `√(L² + R²)/4`, where splits take half of
 /// `√((L² + R²)/2)`: less by √2.
 fn output_gain(plan: &BandPlan, decay_per_s: f64) -> f64 {
-    let [a, b, c, d] = plan.delays.map(|delay| libm::exp(-2.0 * plan.decay_per_sample * delay as f64));
+    let [a, b, c, d] = plan.delays.map(|delay| exponential::exp(-2.0 * plan.decay_per_sample * delay as f64));
     let given = INPUT_GAIN * INPUT_GAIN / (1.0 - (a + b + c + d) / LINES as f64);
     libm::sqrt(2.0 / (2.0 * decay_per_s * (c + d) * given))
 }

@@ -1,6 +1,7 @@
 //! The velocity curve: from a peak to a velocity.
 
 use super::units::FULL_COUNTS;
+use crate::fixed;
 
 /// Velocity curve `velocity = (peak / full_scale)^exponent`, at most 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,13 +20,11 @@ impl Curve {
     /// Velocity of a peak in counts, 0 to 1. A saturated peak, at the ADC's rail, has velocity 1,
     /// since its true height is unknown.
     ///
-    /// Cost: a few cycles for exponent 1, else a soft-float power (about a thousand cycles, once a
-    /// strike).
+    /// The power is computed in integers, once a strike ([`fixed::power`]).
     pub fn velocity(&self, peak_counts: f32, saturated: bool) -> f32 {
         if saturated {
             return 1.0;
         }
-        let linear = (peak_counts * self.per_unit).clamp(0.0, 1.0);
-        if self.exponent == 1.0 { linear } else { libm::powf(linear, self.exponent).clamp(0.0, 1.0) }
+        fixed::power(peak_counts * self.per_unit, self.exponent)
     }
 }

@@ -11,6 +11,7 @@
 
 use super::units::scale_q8;
 use crate::SampleRate;
+use crate::exponential;
 use crate::time::TICK_FRAMES;
 
 /// Envelope of an onset, in 1/256 of the mask's level: 1.4, or 3 dB.
@@ -33,7 +34,7 @@ pub(super) struct MaskDecay {
 impl MaskDecay {
     pub(super) fn new(decay_per_s: f32, rate: SampleRate) -> Self {
         let tick_s = TICK_FRAMES as f64 / rate.hz();
-        Self { loss_q16: ((1.0 - libm::exp(-f64::from(decay_per_s) * tick_s)) * 65_536.0) as i32 }
+        Self { loss_q16: ((1.0 - exponential::exp(-f64::from(decay_per_s) * tick_s)) * 65_536.0) as i32 }
     }
 }
 

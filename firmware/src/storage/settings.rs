@@ -6,6 +6,7 @@
 //! leaves the old value or the new one.
 
 use cable::{Key, Refusal, Value};
+use dsp_core::fixed;
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use sequential_storage::cache::key_pointers::ArrayKeyPointers;
@@ -107,7 +108,7 @@ impl Settings {
 
     /// Gain of the whole sound, 0 to 1.
     pub fn gain(&self) -> f32 {
-        self.number(Key::Level).map_or(1.0, |level_db| libm::powf(10.0, level_db / 20.0).min(1.0))
+        self.number(Key::Level).map_or(1.0, |level_db| fixed::power(0.1, -level_db / 20.0))
     }
 
     /// Slot whose kit plays after a start.

@@ -71,7 +71,7 @@ impl Filters<'_> {
         choke_t60_s: f32,
     ) -> Result<(), BiquadError> {
         let (depth, biquads) = (bank.depth().max(1), carried(bank, rate, reference_force));
-        let choke = if choke_t60_s > 0.0 { libm::exp(-nepers_per_frame(choke_t60_s, rate)) } else { 1.0 };
+        let choke = if choke_t60_s > 0.0 { exponential::exp(-nepers_per_frame(choke_t60_s, rate)) } else { 1.0 };
         self.biquads.load_each(biquads, depth, choke)
     }
 
