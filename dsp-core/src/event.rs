@@ -81,8 +81,9 @@ pub enum Action {
 pub enum Shedding {
     /// The given number of quietest groups that sound.
     Quietest(u16),
-    /// All that sound but the first group of each pad's object: its long modes at low frequencies.
-    /// This choice takes less time than that of the quietest groups.
+    /// All that sound but the first group of each pad's object: up to six modes at low frequencies,
+    /// those that a strike keeps audible longest. This choice takes less time than that of the
+    /// quietest groups.
     AllButFirst,
 }
 

@@ -79,8 +79,9 @@ impl Stage {
     }
 }
 
-/// Nominal cycles that a pad's bus and force add to those of a stage, in a tick. They stay when
-/// [`CYCLES`](super::cost::CYCLES) are fitted anew: [`Stage::worst_cycles`] was measured with them.
+/// Nominal cycles that a pad's bus and force add to those of a stage, in a tick. The percentages of
+/// [`Stage::worst_cycles`] were measured together with these numbers. So these are no sums of
+/// [`CYCLES`](super::cost::CYCLES), which change with each fit.
 const BESIDE_DYNAMIC_FILTER: u32 = 4_092;
 const BESIDE_BIQUADS: u32 = 7_178;
 const BESIDE_SCRAPES: u32 = 544;

@@ -344,7 +344,6 @@ fn strikes_on_a_mug_are_found_together_from_sound_alone() {
     assert!(near_measured_widths("hammer_ceramic.wav", 8) >= 6);
 }
 
-/// `cargo test -p fit --test sounds hammer -- --ignored --nocapture`.
 #[test]
 #[ignore = "more than a minute: cargo test -p fit --test sounds contact_times -- --ignored --nocapture"]
 fn three_quarters_of_all_contact_times_are_right_together() {

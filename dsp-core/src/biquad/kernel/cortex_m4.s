@@ -92,7 +92,7 @@
     .endm
 
 @ Two sections of the form of low frequencies, 16 frames a pass; those of the other forms, 8 frames
-@ a pass, which takes half a cycle a frame more and half of the flash.
+@ a pass, which takes half a cycle a frame more (counted from the code) and half of the flash.
     .macro bq_driven_two wiring form
     .p2align 4
 bq_driven_\wiring\()_\form:

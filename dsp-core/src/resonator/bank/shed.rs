@@ -58,7 +58,7 @@ impl core::ops::AddAssign for Shed {
 
 impl Bank<'_> {
     /// Adds the bank's groups to a shed plan. Under a force all would run that are not left out
-    /// already, else those that ring. Each counts as much as the others: the sum is right.
+    /// already, else those that ring. Each counts the mean of the cycles of all that would run.
     pub fn plan_shedding(
         &self,
         audience: &Audience,

@@ -18,11 +18,11 @@ pub struct Audience {
     /// Output (1.0 = full scale) that a bus step of the bank makes.
     #[cfg(feature = "counts")]
     pub(super) unit: f32,
-    /// Step of a loudness of one bus step.
+    /// Level of one bus step, in steps of 3 dB.
     step: i16,
     /// Input in half octaves, [`NOTHING_TO_COME`] if none is to come.
     input_half_octaves: i16,
-    /// Half octaves that a contact's impulse loses at an angle of 1 radian a frame.
+    /// Part of a contact's impulse that does not reach a mode of 2π f/fs = 1, in half octaves.
     corner_half_octaves: i16,
 }
 
@@ -48,8 +48,9 @@ impl Audience {
 /// All groups of an engine by loudness, and their cycles.
 #[derive(Debug)]
 pub struct ShedPlan {
-    /// Groups and cycles of each level.
+    /// Number of groups of each level.
     groups: [u16; LEVELS],
+    /// Cycles of the groups of each level.
     cycles: [u32; LEVELS],
     /// Number of groups that would run.
     running: u16,
@@ -61,7 +62,7 @@ impl ShedPlan {
     /// A plan of no group yet.
     pub const EMPTY: Self = Self { groups: [0; LEVELS], cycles: [0; LEVELS], running: 0, occupied: 0 };
 
-    /// Adds the groups of a bank, which take so many cycles each.
+    /// Adds those groups of a bank that would run; `cycles_each` is the mean of their cycles.
     #[inline(never)] // few registers: the loop stays short
     pub(super) fn add(&mut self, groups: &[Group], audience: &Audience, used: Use, cycles_each: u32) {
         for group in groups.iter().filter(|group| runs(group, used)) {
