@@ -16,7 +16,7 @@ use super::setup::Skipping;
 use super::shedding::ShedAmount;
 use super::state::{Direct, Engine};
 use crate::event::{Action, Event, Shedding, Time};
-use crate::resonator::{Bank, Use};
+use crate::resonator::Use;
 use crate::room::Sample;
 
 /// Prediction that exceeds the budget.
@@ -25,7 +25,31 @@ struct Excess {
     budget: u32,
     /// Part of the tick that the budget leaves free.
     margin: u32,
+    sounding: Sounding,
+}
+
+/// Pads that sound in a tick's rest, or will by strikes that are known.
+#[derive(Clone, Copy)]
+pub(super) struct Sounding {
+    pads: u32,
+    /// Number of their register groups, at rest or not.
+    pub(super) groups: u32,
+    /// Cycles of the first group of each pad's object, as a prediction has them, with its guard.
     first_groups_cycles: u32,
+}
+
+impl Sounding {
+    const NOTHING: Self = Self { pads: 0, groups: 0, first_groups_cycles: 0 };
+
+    /// Cycles to leave all groups out.
+    fn shed_cycles(&self) -> u32 {
+        self.groups * CostItem::ShedGroup.cycles()
+    }
+
+    /// Cycles of [`Shedding::AllButFirst`] and of the groups that stay.
+    fn rough_cycles(&self) -> u32 {
+        CostItem::Survey.cycles() / 2 + self.shed_cycles() + self.first_groups_cycles
+    }
 }
 
 impl<S: Sample> Engine<'_, '_, S> {
@@ -40,8 +64,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     }
 
     /// Sheds register groups that do not fit. `upcoming` are the events behind those that have been
-    /// applied, and all that there will be before `known_until`.
-    ///
+    /// applied, and all that there will be before `known_until`. Returns what is counted by then.
     #[inline(never)] // its tables must not weigh on ticks without a budget
     pub(super) fn keep_budget(
         &mut self,
@@ -74,12 +97,12 @@ impl<S: Sample> Engine<'_, '_, S> {
         // from then on suffices: a choice of now would be made twice. With several strikes to come
         // each of them would have to choose.
         let is_above = predicted > budget;
-        let first_groups_cycles = if is_above { self.first_groups_cycles() } else { 0 };
+        let sounding = if is_above { self.sounding(upcoming, direct) } else { Sounding::NOTHING };
         let waits = is_above && rest.looks == 2 && !is_last() && {
             let later = rest.sheddable_cycles() - of_next_run.sheddable_cycles();
-            predicted + self.rough_cycles() + first_groups_cycles <= budget + margin / 2 + later
+            predicted + sounding.rough_cycles() <= budget + margin / 4 + later
         };
-        let excess = Excess { predicted, budget, margin, first_groups_cycles };
+        let excess = Excess { predicted, budget, margin, sounding };
         if is_above
             && !waits
             && let Some(chosen) = self.shed_excess(&excess, &mut rest, direct)
@@ -97,45 +120,51 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Cycles of [`Shedding::AllButFirst`], without those of the groups that stay.
-    fn rough_cycles(&self) -> u32 {
-        CostItem::Survey.cycles() / 2 + self.awake_groups * CostItem::ShedGroup.cycles()
-    }
-
-    /// Cycles of the first group of each pad's object until the tick's end, as a prediction has
-    /// them, its guard included.
+    /// Pads that sound until the tick's end. A hand wakes pads that stay silent: those cost a
+    /// choice next to nothing.
     #[inline(never)] // rare
-    fn first_groups_cycles(&self) -> u32 {
+    pub(super) fn sounding(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Sounding {
         let frames = self.frames_to_tick();
-        let objects = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad))?.banks().first());
-        let cycles_each = |bank: &Bank<'_>| bank.cycles(Use::Driven, frames) / bank.running_groups(Use::Driven).max(1);
-        let guarded = objects.map(|bank| cycles_each(bank) * self.loop_percent / 100 + CostItem::GuardedGroup.cycles());
-        guarded.sum()
+        let end = self.now + u64::from(frames);
+        let known = || upcoming.iter().take_while(|event| event.time.first_frame() < end);
+        let mut sounding = Sounding::NOTHING;
+        for number in self.awake.pads() {
+            let Some(voice) = self.voices.get(usize::from(number)) else { break };
+            let is_struck = || known().any(|event| event.pad == number && event.action == Action::Strike);
+            let is_driven = || self.contacts.is_any_on(number) || direct.is_some_and(|direct| direct.pad == number);
+            if !voice.is_ringing() && !is_driven() && !is_struck() {
+                continue;
+            }
+            sounding.pads += 1;
+            sounding.groups += voice.group_count() as u32;
+            let Some(object) = voice.banks().first() else { continue };
+            let cycles = object.cycles(Use::Driven, frames) / object.running_groups(Use::Driven).max(1);
+            sounding.first_groups_cycles += cycles * self.loop_percent / 100 + CostItem::GuardedGroup.cycles();
+        }
+        sounding
     }
 
     /// Sheds what a prediction exceeds the budget by, and takes it out of the counts of the `rest`.
     /// Gives the decision, `None` if it would take longer than what it frees.
     #[inline(never)] // rare, and its tables must not lie on the stack beside those of the prediction
     fn shed_excess(&mut self, excess: &Excess, rest: &mut Counts, direct: Option<Direct<'_>>) -> Option<Shedding> {
-        let Excess { predicted, budget, margin, first_groups_cycles: first } = *excess;
-        let survey = self.survey_counts();
+        let Excess { predicted, budget, margin, sounding } = *excess;
+        let first = sounding.first_groups_cycles;
+        let survey_cycles = CostItem::Survey.cycles() + sounding.groups * CostItem::SurveyedGroup.cycles();
         let sheddable = rest.sheddable_cycles().min(predicted);
-        let choice_cycles = survey.cycles() + self.awake_groups * CostItem::ShedGroup.cycles();
-        let rough_cycles = self.rough_cycles() + first;
+        let choice_cycles = survey_cycles + sounding.shed_cycles();
+        let rough_cycles = sounding.rough_cycles();
         // A decision may take some of what is kept free: without it the strike would be silent.
-        let room = (budget + margin / 2).saturating_sub(predicted - sheddable);
+        let room = (budget + margin / 4).saturating_sub(predicted - sheddable);
         let is_worth_a_survey = room >= choice_cycles + first;
-        // Each group that stays brings its pad's work with it, for which there is no time beside
-        // more than two strikes.
-        let may_keep_first = self.report.strikes <= 2;
         // A decision that takes longer than what it frees would lengthen the tick: a strike late in
         // a tick keeps its modes, and the next tick sheds.
-        let amount = if may_keep_first && !is_worth_a_survey && room >= rough_cycles {
+        let amount = if !is_worth_a_survey && room >= rough_cycles {
             (sheddable > rough_cycles).then_some(ShedAmount::AllButFirst)
-        } else if room >= choice_cycles + first / self.awake.pads().count().max(1) as u32 {
+        } else if room >= choice_cycles + first / sounding.pads.max(1) {
             // One group stays in any case.
-            let excess = predicted + survey.cycles() - budget;
-            let groups = self.awake_groups * excess.min(sheddable) / sheddable.max(1);
+            let excess = predicted + survey_cycles - budget;
+            let groups = sounding.groups * excess.min(sheddable) / sheddable.max(1);
             // Groups free what they take, of which the prediction has a part.
             let cycles = (excess + groups * CostItem::ShedGroup.cycles()) * 100 / self.loop_percent.max(1);
             (sheddable > choice_cycles).then_some(ShedAmount::Cycles(cycles))
@@ -156,7 +185,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         rest.free(kernels, shed.unguarded_groups);
         self.report.counts.add_all([(CostItem::Survey, 1), (CostItem::ShedGroup, shed.groups)]);
         if let ShedAmount::Cycles(_) = amount {
-            self.report.counts.add(CostItem::SurveyedGroup, self.awake_groups);
+            self.report.counts.add(CostItem::SurveyedGroup, sounding.groups);
         }
         Some(match amount {
             ShedAmount::AllButFirst => Shedding::AllButFirst,

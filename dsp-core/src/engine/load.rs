@@ -161,7 +161,6 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             chokes_changed: false,
             unstruck_modes: 0,
             asleep_modes: 0,
-            awake_groups: 0,
             asleep_unstruck_modes: 0,
             retired_amplitude: 0.0,
         })

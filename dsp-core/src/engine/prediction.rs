@@ -68,6 +68,14 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
+    /// Adds the counts of a choke or a release that a strike on its pad does not wait for.
+    #[inline(never)] // rare
+    fn add_late_choke(&self, pad: u8, counts: &mut Counts) {
+        if let Some(voice) = self.voices.get(usize::from(pad)).filter(|voice| voice.is_choke_late()) {
+            counts.add_all([(CostItem::Choke, 1), (CostItem::ChokedMode, voice.late_choke_modes())]);
+        }
+    }
+
     /// Adds the counts of an event.
     fn add_event(&self, event: &Event, counts: &mut Counts) {
         match event.action {
@@ -76,22 +84,17 @@ impl<S: Sample> Engine<'_, '_, S> {
                 counts.add(CostItem::ResidualStrike, u32::from(self.has_noise(event.pad)));
                 counts.add(CostItem::ResidualCycle, self.filter_strike_cycles(event.pad));
                 counts.add_all(self.moved(event.pad, event.position).counts());
+                if self.chokes_changed {
+                    self.add_late_choke(event.pad, counts);
+                }
             }
-            Action::Shed(_) => {
-                *counts += &self.survey_counts();
-                counts.add(CostItem::ShedGroup, self.awake_groups);
-            }
+            // Decisions of a log count as free: boards play none.
+            Action::Shed(_) => {}
             // Counted at the tick at which they act.
             Action::Choke | Action::Release | Action::Level | Action::Silence => {}
             #[cfg(feature = "scrapes")]
             Action::Touch { .. } | Action::Move(_) | Action::Lift => {}
         }
-    }
-
-    pub(super) fn survey_counts(&self) -> Counts {
-        let mut counts = Counts::NONE;
-        counts.add_all([(CostItem::Survey, 1), (CostItem::SurveyedGroup, self.awake_groups)]);
-        counts
     }
 
     pub(super) fn frames_to_tick(&self) -> u32 {

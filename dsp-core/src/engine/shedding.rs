@@ -19,34 +19,24 @@ pub(super) enum ShedAmount {
     Cycles(u32),
 }
 
-/// Groups that stay when a choice is carried out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stays {
-    /// Those that are not chosen.
-    NotChosen,
-    /// Of the chosen ones the first of each pad's object.
-    FirstOfObject,
-    /// None.
-    Nothing,
-}
-
 impl<S: Sample> Engine<'_, '_, S> {
     /// Sheds the quietest of the register groups that would run.
     #[inline(never)] // its tables must not lie on the stack beside those of the prediction
     pub(super) fn shed(&mut self, amount: ShedAmount, direct: Option<Direct<'_>>) -> Shed {
         self.listen(direct);
-        let shed = match amount {
-            ShedAmount::All => self.shed_chosen(ShedChoice::ALL, Stays::Nothing),
-            ShedAmount::AllButFirst => self.shed_chosen(ShedChoice::ALL, Stays::FirstOfObject),
-            _ => self.shed_quietest(amount),
+        let (choice, cycles) = match amount {
+            ShedAmount::All | ShedAmount::AllButFirst => (ShedChoice::ALL, 0),
+            ShedAmount::Groups(count) => (self.survey().quietest(count), 0),
+            ShedAmount::Cycles(excess) => self.survey().quietest_that_free(excess),
         };
+        let shed = Shed { cycles, ..self.shed_chosen(choice, matches!(amount, ShedAmount::AllButFirst)) };
         self.report.shed += shed;
         shed
     }
 
-    /// Surveys all groups and sheds the quietest.
-    #[inline(never)]
-    fn shed_quietest(&mut self, amount: ShedAmount) -> Shed {
+    /// Surveys all groups that would run.
+    #[inline(never)] // two callers
+    fn survey(&self) -> ShedPlan {
         let mut plan = ShedPlan::EMPTY;
         let frames = self.frames_to_tick() as u8;
         for index in self.awake.pads().map(usize::from) {
@@ -58,19 +48,14 @@ impl<S: Sample> Engine<'_, '_, S> {
                 bank.plan_shedding(&hearing.audience, run, &mut plan);
             }
         }
-        let (choice, cycles) = match amount {
-            ShedAmount::All | ShedAmount::AllButFirst => (ShedChoice::ALL, 0),
-            ShedAmount::Groups(count) => (plan.quietest(count), 0),
-            ShedAmount::Cycles(excess) => plan.quietest_that_free(excess),
-        };
-        let stays = if choice == ShedChoice::ALL { Stays::Nothing } else { Stays::NotChosen };
-        Shed { cycles, ..self.shed_chosen(choice, stays) }
+        plan
     }
 
-    /// Sheds the chosen register groups of all pads.
-    #[inline(never)] // one copy for all callers
-    fn shed_chosen(&mut self, mut choice: ShedChoice, stays: Stays) -> Shed {
+    /// Sheds the chosen register groups of all pads, of which the first of each object may stay.
+    #[inline(never)]
+    fn shed_chosen(&mut self, mut choice: ShedChoice, first_stays: bool) -> Shed {
         let mut shed = Shed::NOTHING;
+        let takes_all = choice == ShedChoice::ALL && !first_stays;
         let frames = self.frames_to_tick() as u8;
         for index in self.awake.pads().map(usize::from) {
             let (Some(voice), Some(Some(hearing))) = (self.voices.get_mut(index), self.hearings.get(index)) else {
@@ -80,12 +65,11 @@ impl<S: Sample> Engine<'_, '_, S> {
             let pad = voice.number;
             for (number, bank) in (0u8..).zip(&mut *voice.banks).filter(|(_, bank)| bank.group_count() > 0) {
                 let mut run = hearing.run_of(bank, number, pad, &self.contacts, frames);
-                if hearing.is_driven && stays == Stays::Nothing {
+                if hearing.is_driven && takes_all {
                     // A pad without any group takes less time, so those at rest go too.
                     run.used = Use::Driven;
                 }
-                let first_stays = number == 0 && stays == Stays::FirstOfObject;
-                shed += bank.shed(&hearing.audience, run, &mut choice, first_stays);
+                shed += bank.shed(&hearing.audience, run, &mut choice, first_stays && number == 0);
             }
         }
         shed

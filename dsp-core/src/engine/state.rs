@@ -23,8 +23,9 @@ use crate::voice::{Form, Residual, Voice};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hearing {
     pub(super) audience: Audience,
-    /// True if a force acts on the object, and if a direct one does.
+    /// True if a force acts on the object.
     pub(super) is_driven: bool,
+    /// True if a direct force does.
     pub(super) is_direct: bool,
     /// True if groups at rest are to be guarded for the force.
     pub(super) expects: bool,
@@ -72,9 +73,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     /// Strikes that wait for the end of the sound before them.
     pub(super) held: Held,
     pub(super) limiter: Option<&'m mut Limiter>,
-    /// Scratch of the budget: how each pad is heard and will run, pads that known events will have
-    /// struck.
+    /// Scratch of the budget: how each pad is heard, `None` if it will not sound.
     pub(super) hearings: &'m mut [Option<Hearing>],
+    /// Scratch of the budget: for each pad a bit for each striker by which a known event will have
+    /// struck it.
     pub(super) struck: &'m mut [u8],
     pub(super) rate: SampleRate,
     pub(super) skipping: Skipping,
@@ -119,8 +121,6 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) unstruck_modes: u32,
     /// Number of modes of pads that sleep.
     pub(super) asleep_modes: u32,
-    /// Register groups of pads that are awake.
-    pub(super) awake_groups: u32,
     /// Number of modes of pads that sleep and have not been struck since the load.
     pub(super) asleep_unstruck_modes: u32,
     /// Sum of the pads' retired amplitudes, 1.0 = full scale.

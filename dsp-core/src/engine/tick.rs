@@ -99,6 +99,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
         (self.idle, self.was_idle) = (false, false);
         self.admit(event.pad);
+        if self.chokes_changed {
+            self.change_late_choke(event.pad);
+        }
         let rate = self.rate;
         let Some(voice) = self.voices.get_mut(usize::from(event.pad)) else { return };
         let Some(impact) = voice.strike(event.velocity, event.striker, rate) else { return };
@@ -118,32 +121,52 @@ impl<S: Sample> Engine<'_, '_, S> {
         }
     }
 
-    /// Carries out the chokes and releases of the last tick; gives their cost. Pads reach their
-    /// first modes in the bookkeeping that follows.
+    /// Carries out the chokes and releases that are due; gives their cost. Pads reach their first
+    /// modes in the bookkeeping that follows. Of pads that are silent one is changed a tick: all at
+    /// once, they would take the time of the pads that sound. A strike does not wait for its pad's.
     #[inline(never)] // rare
     fn change_chokes(&mut self) -> Counts {
-        let (mut chokes, mut guards, mut filter_cycles) = (0, 0, 0);
+        let mut counts = Counts::NONE;
+        let mut has_changed_silent = false;
         for number in 0..self.voices.len() as u8 {
-            if !self.voices.get(usize::from(number)).is_some_and(Voice::is_choke_due) {
+            let Some(voice) = self.voices.get_mut(usize::from(number)).filter(|voice| voice.is_choke_due()) else {
                 continue;
-            }
-            self.wake(number);
-            let Some(voice) = self.voices.get_mut(usize::from(number)) else { continue };
-            guards += voice.change_choke();
-            chokes += 1;
-            let is_choked = voice.is_choked();
-            let has_stages = voice.residual.is_some() || voice.filters.is_some();
-            (self.idle, self.was_idle) = (false, false);
-            if has_stages {
-                filter_cycles += self.filter_choke_cycles(number);
-                self.choke_stages(number, is_choked);
+            };
+            let is_silent = voice.can_choke_later() && !self.contacts.is_any_on(number);
+            if is_silent && core::mem::replace(&mut has_changed_silent, true) {
+                voice.choke_later();
+                self.chokes_changed = true;
+            } else {
+                self.change_choke(number, &mut counts);
             }
         }
-        let mut counts = Counts::NONE;
-        counts.add(CostItem::Choke, chokes);
-        counts.add(CostItem::DueGroup, guards);
-        counts.add(CostItem::ResidualCycle, filter_cycles);
         counts
+    }
+
+    /// Carries out a pad's choke or release if it is late; predictions count it with the strike.
+    #[inline(never)] // rare
+    fn change_late_choke(&mut self, number: u8) {
+        if self.voices.get(usize::from(number)).is_some_and(Voice::is_choke_late) {
+            let mut counts = Counts::NONE;
+            self.change_choke(number, &mut counts);
+        }
+    }
+
+    /// Carries out a pad's choke or release; counts its cost.
+    #[inline(never)] // rare
+    fn change_choke(&mut self, number: u8, counts: &mut Counts) {
+        self.wake(number);
+        let Some(voice) = self.voices.get_mut(usize::from(number)) else { return };
+        let late_modes = voice.late_choke_modes();
+        let guards = voice.change_choke();
+        let is_choked = voice.is_choked();
+        let has_stages = voice.residual.is_some() || voice.filters.is_some();
+        (self.idle, self.was_idle) = (false, false);
+        if has_stages {
+            counts.add(CostItem::ResidualCycle, self.filter_choke_cycles(number));
+            self.choke_stages(number, is_choked);
+        }
+        counts.add_all([(CostItem::Choke, 1), (CostItem::ChokedMode, late_modes), (CostItem::DueGroup, guards)]);
     }
 
     /// Moves a slot of a pad's object to a position.
@@ -158,7 +181,6 @@ impl<S: Sample> Engine<'_, '_, S> {
     pub(super) fn wake(&mut self, pad: u8) {
         let Some(voice) = self.voices.get(usize::from(pad)) else { return };
         if self.awake.wake(pad) {
-            self.awake_groups += voice.group_count() as u32;
             self.asleep_modes -= voice.mode_count() as u32;
             self.asleep_unstruck_modes -= if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
         }
@@ -175,7 +197,6 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
             let sleeps = is_skipping && voice.can_sleep() && !self.contacts.is_any_on(pad);
             if sleeps {
-                self.awake_groups -= voice.group_count() as u32;
                 self.asleep_modes += voice.mode_count() as u32;
                 self.asleep_unstruck_modes += if voice.was_struck() { 0 } else { voice.mode_count() as u32 };
             }

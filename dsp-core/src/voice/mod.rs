@@ -16,6 +16,7 @@ mod choke;
 mod filters;
 mod form;
 mod guard;
+mod hand;
 mod load;
 mod ongoing;
 mod render;

@@ -49,9 +49,11 @@ pub struct Voice<'k, 'm> {
     pub(super) expected_strikers: u8,
     /// Force of contacts that go on, in the tick that begins.
     pub(super) ongoing: Ongoing,
-    /// True if the pad is to be choked from the next tick on.
+    /// True if the pad is to be choked.
     pub(super) is_choke_wanted: bool,
     pub(super) is_choked: bool,
+    /// Number of ticks by which the choke or the release that is asked for is late.
+    pub(super) choke_late_ticks: u8,
     pub(super) struck: bool,
     /// Slot of the latest strike.
     pub(super) direct_slot: u8,
@@ -118,6 +120,7 @@ impl Voice<'_, '_> {
             ongoing: Ongoing::NONE,
             is_choke_wanted: false,
             is_choked: false,
+            choke_late_ticks: 0,
             struck: false,
             direct_slot: 0,
             rest_ticks: 0,
@@ -207,36 +210,6 @@ impl Voice<'_, '_> {
         Some(impact)
     }
 
-    /// Asks for the pad to be choked, or released, from the next tick on.
-    pub fn want_choke(&mut self, is_choked: bool) {
-        self.is_choke_wanted = is_choked;
-    }
-
-    /// True if the pad has been choked or released since the last tick.
-    pub fn is_choke_due(&self) -> bool {
-        self.is_choke_wanted != self.is_choked
-    }
-
-    /// True if the pad is choked.
-    pub fn is_choked(&self) -> bool {
-        self.is_choked
-    }
-
-    /// Chokes or releases the pad as was asked for; each [`Voice::tick`] that follows reaches some
-    /// modes. Gives the number of groups that were guarded.
-    pub fn change_choke(&mut self) -> u32 {
-        self.is_choked = self.is_choke_wanted;
-        self.wake_banks();
-        let is_choked = self.is_choked;
-        self.frames.iter_mut().for_each(|frames| frames.lay_hand(is_choked));
-        self.banks.iter_mut().map(|bank| bank.lay_hand(is_choked)).sum()
-    }
-
-    /// True if a choke or a release has not reached all modes yet.
-    pub fn is_being_reached(&self) -> bool {
-        self.banks.iter().any(Bank::is_being_reached) || self.frames.as_deref().is_some_and(FrameBank::is_hand_moving)
-    }
-
     /// Chooses the slot of a strike at a position, where a direct force acts from now on as well.
     /// `is_driven` says of a slot if contacts drive it.
     pub fn place(&mut self, position: f32, is_driven: impl Fn(u8) -> bool) -> Place {
@@ -297,7 +270,7 @@ impl Voice<'_, '_> {
 
     /// True if a force would be heard: not all groups are shed, or there is an acceleration sound.
     pub fn responds(&self) -> bool {
-        self.acceleration.is_built() || self.banks.iter().any(Bank::has_admitted)
+        self.has_acceleration_sound() || self.banks.iter().any(Bank::has_admitted)
     }
 
     /// Ends all sound at once. A hand stays.
@@ -362,7 +335,7 @@ impl Voice<'_, '_> {
 
     /// As [`Voice::wake`], whether the banks have modes or not.
     #[inline(always)]
-    fn wake_banks(&mut self) {
+    pub(super) fn wake_banks(&mut self) {
         self.rest_ticks = 0;
         if self.passed_ticks > 0 {
             self.catch_up();

@@ -110,6 +110,52 @@ fn a_choked_bell_of_the_demo_kit_falls_by_its_t60_under_a_boards_budget() {
     }
 }
 
+/// A choke or a release of each of the demo kit's pads at a frame.
+fn hands_on_all_pads(frame: u64, action: Action) -> impl Iterator<Item = Event> {
+    let pads = kit::open("demo").expect("the kit ships with the project").kit.pads.len() as u8;
+    (0..pads).map(move |pad| Event { pad, ..hand(frame, action) })
+}
+
+#[test]
+fn hands_on_all_silent_pads_change_no_bit_of_a_strike_that_follows() {
+    let loaded = kit::open("demo").expect("the kit ships with the project");
+    let play = |mut events: Vec<Event>| {
+        events.sort_by_key(|event| event.time.frame);
+        let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.1));
+        performance::instrument(&loaded, &performance, RATE, Skipping::On).0
+    };
+    for pad in 0..loaded.kit.pads.len() as u8 {
+        for frame in [40, 100, 230, 400] {
+            let strike = Event { pad, ..strike(frame, 0.8) };
+            let hands = [(5, Action::Choke), (150, Action::Release)];
+            let on_all = hands.into_iter().flat_map(|(frame, action)| hands_on_all_pads(frame, action));
+            let on_one = hands.map(|(frame, action)| Event { pad, ..hand(frame, action) });
+            let (all, one) =
+                (play(on_all.chain([strike]).collect()), play(on_one.into_iter().chain([strike]).collect()));
+            assert!(all == one, "pad {pad}, struck at frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn hands_on_all_silent_pads_at_each_tick_take_a_fifth_of_the_smaller_boards_budget() {
+    let loaded = kit::open("demo").expect("the kit ships with the project");
+    let view = KitView::parse(&loaded.binary).expect("it is valid");
+    let actions = [Action::Choke, Action::Release].into_iter().cycle();
+    let events: Vec<Event> =
+        (0..120).zip(actions).flat_map(|(tick, action)| hands_on_all_pads(32 * tick + 5, action)).collect();
+    let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.1));
+    let budget = BlackpillF411::BUDGET_CYCLES;
+    let settings = Settings { setup: Setup::new(RATE), block: 32, budget_cycles: Some(budget) };
+    let mut dearest = 0;
+    instrument::render(&view, &performance, settings, Output::Samples24, |report| {
+        dearest = dearest.max(report.predicted_cycles());
+    })
+    .expect("the kit fits");
+    println!("{dearest} of {budget} cycles");
+    assert!(dearest <= budget / 5, "{dearest} of {budget} cycles");
+}
+
 #[test]
 fn no_tick_of_the_demo_piece_with_a_hand_is_planned_beyond_its_budget() {
     // The budget is 80 % of 168 MHz. The piece chokes pads while others ring.
