@@ -100,7 +100,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let sounding = if is_above { self.sounding(upcoming, direct) } else { Sounding::NOTHING };
         let waits = is_above && rest.looks == 2 && !is_last() && {
             let later = rest.sheddable_cycles() - of_next_run.sheddable_cycles();
-            predicted + sounding.rough_cycles() <= budget + margin / 4 + later
+            predicted + sounding.rough_cycles() <= budget + margin / 2 + later
         };
         let excess = Excess { predicted, budget, margin, sounding };
         if is_above
@@ -155,7 +155,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         let choice_cycles = survey_cycles + sounding.shed_cycles();
         let rough_cycles = sounding.rough_cycles();
         // A decision may take some of what is kept free: without it the strike would be silent.
-        let room = (budget + margin / 4).saturating_sub(predicted - sheddable);
+        let room = (budget + margin / 2).saturating_sub(predicted - sheddable);
         let is_worth_a_survey = room >= choice_cycles + first;
         // A decision that takes longer than what it frees would lengthen the tick: a strike late in
         // a tick keeps its modes, and the next tick sheds.
