@@ -212,8 +212,8 @@ const PREDICTED_PAD_CYCLES: u32 = 120;
 const MARGIN: u32 = 32;
 
 /// Cycles kept free beyond [`MARGIN`], in a tick that begins idle and in another one. They cover
-/// the waits of flash and the interrupts of the boards. The dearest half takes 80 % of the time to
-/// its deadline on the F407 board and 89 % on the BlackPill
+/// the waits of flash and the interrupts of the boards. The dearest half takes 79 % of the time to
+/// its deadline on the F407 board and 87 % on the BlackPill
 /// (`cargo test -p virtual-board --test boards load`).
 const KEPT_FREE: [u32; 2] = [635, 1670];
 

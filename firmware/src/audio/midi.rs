@@ -16,8 +16,10 @@ use crate::half::HALF_FRAMES;
 use crate::usb::{self, Incoming, Outgoing};
 
 /// Maximum number of packets that a half takes: one full transfer. Others wait for the next half,
-/// as do all while no more events can wait.
+/// as do all behind a message to all pads, and all while no more events can wait.
 const PACKETS_PER_HALF: usize = 16;
+/// Maximum number of events of a message to one pad: a note lifts the hand and strikes.
+const EVENTS_OF_A_PAD: usize = 2;
 /// Core cycles of a frame of the output.
 const CYCLES_PER_FRAME: i32 = CLOCKS.cycles_per_frames(1) as i32;
 /// Channel on which strikes go out unless the settings name another, counted from 0: users know it
@@ -80,10 +82,15 @@ impl Midi {
             let age = begun.wrapping_sub(received.at).cast_signed() / CYCLES_PER_FRAME;
             let frame = (instrument.now() + HALF_FRAMES as u64).saturating_add_signed(-i64::from(age));
             let (keyboard, time) = (&mut self.keyboard, Time::at_frame(frame.max(instrument.now())));
+            let mut events = 0;
             self.cables.take(Packet(received.packet), |heard| match heard {
                 Heard::Message(message) => {
                     counters::MIDI_MESSAGES.add(1);
-                    match keyboard.take(message, time, |event| instrument.expect(event)) {
+                    let expect = |event| {
+                        instrument.expect(event);
+                        events += 1;
+                    };
+                    match keyboard.take(message, time, expect) {
                         Outcome::Program(program) => programs::ask(program),
                         outcome => count(message, outcome),
                     }
@@ -91,6 +98,9 @@ impl Midi {
                 // SysEx goes to its task; only damaged streams have any here.
                 _ => counters::MIDI_UNKNOWN.add(1),
             });
+            if events > EVENTS_OF_A_PAD {
+                return;
+            }
         }
     }
 
