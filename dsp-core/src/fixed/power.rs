@@ -69,8 +69,8 @@ impl Log2 {
 }
 
 impl Power {
-    /// The power as a number, within half a step of its 24 bits. Powers below 2^-126 give 2^-126,
-    /// powers above 2^127 about 2^127.
+    /// The power as a number, within half a step of its 24 bits. Powers below 2^-95 are held
+    /// between 2^-95 and 2^-94, above 0.
     pub fn value(self) -> f32 {
         // The power of two is put together from its bits.
         self.mantissa as f32 * f32::from_bits(((self.exponent - 31 + 127).clamp(1, 254) as u32) << 23)
@@ -182,6 +182,19 @@ mod tests {
             let exact = value as f64 * f64::from(power.mantissa) * libm::scalbn(1.0, power.exponent - 31);
             let got = power.of(value) as f64;
             prop_assert!((got - exact.min(u64::MAX as f64)).abs() <= 2.0 + exact * 1e-9, "{got} {exact}");
+        }
+    }
+
+    #[test]
+    fn powers_of_shares_are_those_of_f64_from_nothing_to_the_whole() {
+        for exponent in [0.1, 0.5, 1.0, 1.7, 8.0] {
+            assert_eq!((power(0.0, exponent), power(1.0, exponent), power(1.5, exponent)), (0.0, 1.0, 1.0));
+            for step in 1..=1000 {
+                let share = step as f32 / 1000.0;
+                let (got, exact) = (power(share, exponent), libm::pow(share.into(), exponent.into()));
+                let most = 1e-7_f64.max(2e-8 * f64::from(exponent));
+                assert!((f64::from(got) / exact - 1.0).abs() < most, "{share}^{exponent}: {got} {exact}");
+            }
         }
     }
 
