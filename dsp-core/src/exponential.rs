@@ -34,13 +34,13 @@ pub(crate) fn ratio_of_db(db: f64) -> f64 {
 }
 
 /// Power `base^exponent` of a base that is at least 0, for results in the range of `f64`. The
-/// relative error is below 1e-15, and 4e-16 times the power's logarithm.
+/// relative error is below 1e-15 plus 4e-16 for each neper of the result.
 pub(crate) fn power(base: f64, exponent: f64) -> f64 {
     if base > 0.0 { power_of_two(exponent * log2(base)) } else { 0.0 }
 }
 
-/// Power `e^x`, for results in the range of `f64`. The relative error is below 1e-15, and 2e-16
-/// times x.
+/// Power `e^x`, for results in the range of `f64`. The relative error is below 1e-15 plus 2e-16
+/// for each unit of x.
 pub(crate) fn exp(x: f64) -> f64 {
     power_of_two(x * core::f64::consts::LOG2_E)
 }

@@ -30,10 +30,10 @@ struct Excess {
 
 /// Pads that sound in a tick's rest, or will by strikes that are known.
 #[derive(Clone, Copy)]
-pub(super) struct Sounding {
+struct Sounding {
     pads: u32,
     /// Number of their register groups, at rest or not.
-    pub(super) groups: u32,
+    groups: u32,
     /// Cycles of the first group of each pad's object, as a prediction has them, with its guard.
     first_groups_cycles: u32,
 }
@@ -123,7 +123,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Pads that sound until the tick's end. A hand wakes pads that stay silent: those cost a
     /// choice next to nothing.
     #[inline(never)] // rare
-    pub(super) fn sounding(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Sounding {
+    fn sounding(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Sounding {
         let frames = self.frames_to_tick();
         let end = self.now + u64::from(frames);
         let known = || upcoming.iter().take_while(|event| event.time.first_frame() < end);

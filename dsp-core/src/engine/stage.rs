@@ -79,9 +79,12 @@ impl Stage {
     }
 }
 
-/// Nominal cycles that a pad's bus and force add to those of a stage, in a tick. The percentages of
-/// [`Stage::worst_cycles`] were measured together with these numbers. So these are no sums of
-/// [`CYCLES`](super::cost::CYCLES), which change with each fit.
+/// Nominal cycles of a tick for the bus and the force of a pad with a dynamic filter.
+///
+/// This number and the two below were measured with the percentages of [`Stage::worst_cycles`].
+/// They stay when [`CYCLES`](super::cost::CYCLES) are fitted anew.
 const BESIDE_DYNAMIC_FILTER: u32 = 4_092;
+/// Nominal cycles of a tick for the bus and the force of a pad with biquads.
 const BESIDE_BIQUADS: u32 = 7_178;
+/// Nominal cycles of a tick for the bus of a pad that is scraped.
 const BESIDE_SCRAPES: u32 = 544;

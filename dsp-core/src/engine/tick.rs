@@ -15,7 +15,8 @@ use crate::voice::{PadTables, Run, Voice};
 impl<S: Sample> Engine<'_, '_, S> {
     /// Begins a tick: chokes and releases take effect, and voices do their bookkeeping.
     pub(super) fn begin_tick(&mut self, direct: Option<Direct<'_>>) {
-        let chokes = if core::mem::take(&mut self.chokes_changed) { self.change_chokes() } else { Counts::NONE };
+        let chokes =
+            if core::mem::take(&mut self.chokes_changed) { self.change_chokes(direct.is_some()) } else { Counts::NONE };
         let is_scraped = self.scrapes.are_due();
         if self.fader.is_over() || is_scraped {
             // The strikes that have waited make the tick one with sound, if any have.
@@ -123,17 +124,19 @@ impl<S: Sample> Engine<'_, '_, S> {
 
     /// Carries out the chokes and releases that are due; gives their cost. Pads reach their first
     /// modes in the bookkeeping that follows. Of pads that are silent one is changed a tick: all at
-    /// once, they would take the time of the pads that sound. A strike does not wait for its pad's.
+    /// once, they would take the time of the pads that sound. None waits for a direct force, for a
+    /// scrape, or for a strike on its pad.
     #[inline(never)] // rare
-    fn change_chokes(&mut self) -> Counts {
+    fn change_chokes(&mut self, has_direct: bool) -> Counts {
         let mut counts = Counts::NONE;
+        let may_wait = !has_direct && !self.scrapes.are_due();
         let mut has_changed_silent = false;
         for number in 0..self.voices.len() as u8 {
             let Some(voice) = self.voices.get_mut(usize::from(number)).filter(|voice| voice.is_choke_due()) else {
                 continue;
             };
             let is_silent = voice.can_choke_later() && !self.contacts.is_any_on(number);
-            if is_silent && core::mem::replace(&mut has_changed_silent, true) {
+            if may_wait && is_silent && core::mem::replace(&mut has_changed_silent, true) {
                 voice.choke_later();
                 self.chokes_changed = true;
             } else {

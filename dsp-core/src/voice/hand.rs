@@ -3,7 +3,7 @@
 use super::residual::Residual;
 use super::state::Voice;
 use crate::frames::FrameBank;
-use crate::resonator::{Bank, HAND_MODES_PER_TICK};
+use crate::resonator::Bank;
 
 impl Voice<'_, '_> {
     /// Asks for the pad to be choked, or released.
@@ -37,8 +37,7 @@ impl Voice<'_, '_> {
         if !self.is_choke_late() {
             return 0;
         }
-        let most = HAND_MODES_PER_TICK * usize::from(self.choke_late_ticks);
-        self.banks.iter().map(|bank| bank.mode_count().min(most) as u32).sum()
+        self.banks.iter().map(|bank| bank.modes_of_hand(self.choke_late_ticks) as u32).sum()
     }
 
     /// True if the pad is choked.
@@ -53,9 +52,15 @@ impl Voice<'_, '_> {
         self.wake_banks();
         let is_choked = self.is_choked;
         self.frames.iter_mut().for_each(|frames| frames.lay_hand(is_choked));
-        let guards = self.banks.iter_mut().map(|bank| bank.lay_hand(is_choked)).sum();
-        for _ in 0..core::mem::take(&mut self.choke_late_ticks) {
-            self.banks.iter_mut().filter(|bank| bank.is_being_reached()).for_each(Bank::reach);
+        let (mut guards, late_ticks) = (0, core::mem::take(&mut self.choke_late_ticks));
+        for bank in &mut *self.banks {
+            guards += bank.lay_hand(is_choked);
+            for _ in 0..late_ticks {
+                if !bank.is_being_reached() {
+                    break;
+                }
+                bank.reach();
+            }
         }
         guards
     }

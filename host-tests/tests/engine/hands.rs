@@ -119,11 +119,12 @@ fn hands_on_all_pads(frame: u64, action: Action) -> impl Iterator<Item = Event> 
 #[test]
 fn hands_on_all_silent_pads_change_no_bit_of_a_strike_that_follows() {
     let loaded = kit::open("demo").expect("the kit ships with the project");
-    let play = |mut events: Vec<Event>| {
+    let play_with = |mut events: Vec<Event>, direct: Option<(u8, Vec<i32>)>| {
         events.sort_by_key(|event| event.time.frame);
-        let performance = Performance::new(events, None, &loaded.kit, RATE, Some(0.1));
+        let performance = Performance::new(events, direct, &loaded.kit, RATE, Some(0.1));
         performance::instrument(&loaded, &performance, RATE, Skipping::On).0
     };
+    let play = |events: Vec<Event>| play_with(events, None);
     for pad in 0..loaded.kit.pads.len() as u8 {
         for frame in [40, 100, 230, 400] {
             let strike = Event { pad, ..strike(frame, 0.8) };
@@ -135,6 +136,11 @@ fn hands_on_all_silent_pads_change_no_bit_of_a_strike_that_follows() {
             assert!(all == one, "pad {pad}, struck at frame {frame}");
         }
     }
+    // No hand waits while a direct force is given.
+    let force: Vec<i32> = (0..4_800).map(|n| if n < 64 { 0 } else { (n - 64) * 20_000 % 9_000_000 }).collect();
+    let with_force = |hands: Vec<Event>| play_with(hands, Some((10, force.clone())));
+    let on_one = vec![Event { pad: 10, ..hand(5, Action::Choke) }];
+    assert!(with_force(hands_on_all_pads(5, Action::Choke).collect()) == with_force(on_one), "a direct force");
 }
 
 #[test]

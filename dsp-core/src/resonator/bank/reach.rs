@@ -54,6 +54,14 @@ impl Bank<'_> {
         (self.modes.len() - usize::from(self.choke.reached)).min(MODES_PER_TICK)
     }
 
+    /// Number of modes that a hand which comes or goes reaches within some ticks.
+    pub fn modes_of_hand(&self, ticks: u8) -> usize {
+        if !self.choke.is_possible() {
+            return 0;
+        }
+        self.modes.len().min(usize::from(ticks) * MODES_PER_TICK)
+    }
+
     /// Takes a hand that comes or goes to the next modes; called at each tick. It costs
     /// [`crate::engine::CostItem::ChokedMode`] a mode.
     #[inline(never)]
