@@ -70,21 +70,48 @@ proptest! {
     }
 }
 
+/// SNR in dB of noise through a biquad whose sound peaks at -8 dBFS; `None` if the bank refuses the
+/// biquad by name.
+fn snr_of_noise(case: Case, seed: u64) -> Option<f64> {
+    let input = noise(&mut Random::new(seed), 24_000);
+    let exact: Vec<f64> = input.iter().map(|&word| f64::from(word)).collect();
+    let peak = both(case, 1.0).1.filter(&exact).iter().fold(1e-300f64, |peak, y| peak.max(y.abs()));
+    let (ours, theirs) = both(case, 0.4 * FULL_SCALE / peak);
+    let mut bank = bank(&[ours], 1, 1).ok()?;
+    let mut out = vec![0; input.len()];
+    bank.render(Some(&input), &mut out);
+    Some(snr_db(&theirs.filter(&exact), &out))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_biquad_at_any_rate_keeps_86_db_against_the_reference(case in cases(), seed in 1u64..1000) {
-        let input = noise(&mut Random::new(seed), 24_000);
-        let exact: Vec<f64> = input.iter().map(|&word| f64::from(word)).collect();
-        let peak = both(case, 1.0).1.filter(&exact).iter().fold(1e-300f64, |peak, y| peak.max(y.abs()));
-        let (ours, theirs) = both(case, 0.4 * FULL_SCALE / peak);
-        let Ok(mut bank) = bank(&[ours], 1, 1) else { return Ok(()) };
-        let mut out = vec![0; input.len()];
-        bank.render(Some(&input), &mut out);
-        let snr = snr_db(&theirs.filter(&exact), &out);
+        let Some(snr) = snr_of_noise(case, seed) else { return Ok(()) };
         // Two poles in one place near 1 gather the roundings of many frames twice.
-        let gathers = ours.pole.imaginary == 0.0 && ours.pole.real > 0.999;
+        let pole = both(case, 1.0).0.pole;
+        let gathers = pole.imaginary == 0.0 && pole.real > 0.999;
         prop_assert!(snr >= if gathers { 80.0 } else { 86.0 }, "{:.1} dB", snr);
     }
+}
+
+/// The input of seed 980 leaves a narrow resonance so quiet that an offset of half a step of its
+/// words, which the poles gather for 24 000 frames, took all but 76.9 dB.
+#[test]
+fn two_poles_in_one_place_near_1_gather_no_offset_of_the_input() {
+    let case = Case {
+        pole: Root { real: 0.999_890_358_680_641_7, imaginary: 0.0 },
+        zero: Root { real: -0.509_102_259_430_233_5, imaginary: 0.860_706_041_249_294 },
+        table_hz: 22_050,
+        rate_hz: 44_100,
+    };
+    let worst = (1..=40).chain([980]).map(|seed| {
+        let snr = snr_of_noise(case, seed).expect("a right biquad");
+        println!("seed {seed}: {snr:.1} dB");
+        snr
+    });
+    let worst = worst.fold(f64::INFINITY, f64::min);
+    println!("worst: {worst:.1} dB");
+    assert!(worst >= 90.0, "{worst:.1} dB");
 }

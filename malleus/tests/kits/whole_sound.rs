@@ -92,6 +92,22 @@ fn instrument_has_90_db_of_snr_to_the_twin_of_a_room_that_falls_silent() {
     assert!(snr_db >= 90.0, "{snr_db:.1} dB");
 }
 
+/// Loops whose delay is shorter than a tick keep some 100 steps of the bus by rounding, until
+/// silence ends them. A room as loud as the dry sound doubles the power of what it is given.
+#[test]
+fn room_adds_no_error_of_its_own_to_loops_that_fade() {
+    let rate = SampleRate::new(32_000, 1).expect("a right rate");
+    let error_dbfs = |room: Vec<kit::RoomBand>| {
+        let kit = kit::Kit { room, ..filters() };
+        let events = vec![event(Action::Strike, 2, 0, 0.05), event(Action::Strike, 0, 98_186, 0.593_423_66)];
+        heard_and_error_dbfs(&rendered(&kit, events, rate, 0.8)).1
+    };
+    let dry = error_dbfs(Vec::new());
+    let wet = error_dbfs(vec![kit::RoomBand { from_hz: 0.0, gain: 8.311_291, decay_per_s: 34.538_776 }]);
+    println!("error {dry:.1} dBFS dry, {wet:.1} dBFS in a room");
+    assert!(dry < -120.0 && wet < dry + 3.2, "error {dry} dBFS dry, {wet} dBFS in a room");
+}
+
 /// A choke ends with a tick, and noise is drawn up to its end. Which tick it is may hang on a
 /// rounding.
 #[test]
@@ -283,7 +299,8 @@ proptest! {
         events.sort_by_key(|event| event.time.frame);
         let (heard, error) = heard_and_error_dbfs(&rendered(&kit, events, rate, 0.8));
         println!("{heard:.1} dBFS, error {error:.1} dBFS, {:.1}", heard - error);
-        prop_assert!(is_right(heard, error), "{heard:.1} dBFS, error {error:.1} dBFS");
+        // A room as loud as the dry sound doubles the power of an error of -120 dBFS.
+        prop_assert!(heard - error >= 90.0 || error < -117.0, "{heard:.1} dBFS, error {error:.1} dBFS");
     }
 
     /// The kit has any biquads, and any strikes and hands.

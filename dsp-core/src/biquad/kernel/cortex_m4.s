@@ -364,14 +364,19 @@ malleus_biquads:
     bne     2f
     bq_four_inputs lsl, r9
     b       3f
-2:  bq_four_inputs asr, r10
+2:  mov     r9, #1
+    ror     r9, r9, r10                 @ 2^(32 - right): a multiplication shifts right and rounds
+    bq_four_inputs smmulr, r9
+    mov     r9, #0
 3:  adds    r11, #4
     beq     5f
 4:  ldr     r7, [r3], #4
     eor     r1, r7, r7, asr #31
     orr     r8, r8, r1
     lsl     r7, r7, r9
-    asr     r7, r7, r10
+    adds    r7, #0                      @ clears carry, which a shift by 0 leaves alone
+    asrs    r7, r7, r10
+    adc     r7, r7, #0
     eor     r1, r7, r7, asr #31
     qadd    r2, r2, r1
     str     r7, [r12, #-4]!

@@ -1,5 +1,7 @@
 //! Parameters of a run, and its outcome.
 
+use crate::fixed::rounding_shift_right;
+
 /// Largest sum of the sizes of a tick's inputs, as words.
 pub const ALLOWANCE: u32 = 1 << 30;
 
@@ -13,7 +15,8 @@ pub struct Run {
     pub allowance: u32,
     /// Number of bits by which inputs are shifted left to become words.
     pub left: u32,
-    /// Number of bits by which they are then shifted right, rounding down.
+    /// Number of bits by which they are then shifted right, rounding to nearest; not 1. Rounded
+    /// down, an input has an offset, which two poles near 1 in one place gather.
     pub right: u32,
     /// Multiplier of the shifted input into the mix, Q32.
     pub direct: i32,
@@ -21,6 +24,14 @@ pub struct Run {
     pub room: u32,
     /// True if the first frame is an odd one.
     pub odd: bool,
+}
+
+impl Run {
+    /// Word of an input.
+    #[inline(always)]
+    pub fn word(&self, input: i32) -> i32 {
+        rounding_shift_right(input << self.left, self.right)
+    }
 }
 
 /// Outcome of a run.

@@ -16,7 +16,7 @@ pub fn run(pairs: &mut [Pair], run: Run, input: Option<&[i32]>, out: &mut [i32])
     let (mut peak, mut used) = (0, 0u32);
     for ((x, mix), &word) in x.iter_mut().zip(&mut mix).zip(given) {
         peak |= folded(word);
-        *x = (word << run.left) >> run.right;
+        *x = run.word(word);
         // The cap is far above any allowance.
         used = used.saturating_add(folded(*x)).min(i32::MAX as u32);
         *mix = smmulr(*x, run.direct);
