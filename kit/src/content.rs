@@ -9,7 +9,7 @@ use crate::filters::{Biquads, DynamicFilter, ModesGo};
 use crate::surface::{ObjectSurface, Roll, Scrape, Surface};
 
 /// Kit: objects and strikers, bound to pads.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kit {
     /// Name of the kit: 1 to 24 printable ASCII characters without comma and quote, and without a
     /// space at its ends.

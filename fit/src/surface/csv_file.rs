@@ -10,6 +10,8 @@ use super::options::Note;
 
 /// Largest error of a position, as a share of the step, at which positions are even.
 const EVEN: f64 = 0.02;
+/// Distance of neighbours, in usual ones, beyond which points are missing between them.
+const GAP: f64 = 3.0;
 
 /// Heights of a file, with its step where it has positions, and notes on what was decided.
 pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(Heights, Vec<Note>), SurfaceError> {
@@ -52,21 +54,33 @@ fn numbers(record: &StringRecord) -> Result<Vec<f64>, String> {
 /// A profile of positions and heights, at even steps.
 fn of_positions(values: &[f64], lines: &[u64], path: &Path) -> Result<(Heights, Vec<Note>), SurfaceError> {
     let (positions, heights): (Vec<f64>, Vec<f64>) = values.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip();
-    if let Some(index) = positions.windows(2).position(|pair| pair[1].is_nan() || pair[1] <= pair[0]) {
+    if let Some(index) = positions.iter().position(|position| !position.is_finite()) {
+        let cause = "the position is no finite number".to_owned();
+        return Err(SurfaceError::CsvLine { path: path.to_owned(), line: lines[index], cause });
+    }
+    if let Some(index) = positions.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(SurfaceError::Order { path: path.to_owned(), line: lines[index + 1] });
     }
-    let steps = positions.len().max(2) - 1;
-    let step_m = (positions.last().unwrap_or(&1.0) - positions.first().unwrap_or(&0.0)) / steps as f64;
+    let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let widest_m = GAP * steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+    let (near, gaps) = steps.split_at(steps.partition_point(|&step| step <= widest_m));
+    let (near_m, missing_m) = (near.iter().sum::<f64>(), gaps.iter().sum::<f64>());
+    if missing_m > near_m {
+        return Err(SurfaceError::Missing { percent: 100.0 * missing_m / (missing_m + near_m) });
+    }
+    let step_m = near_m / near.len().max(1) as f64;
     let is_even = |(index, x): (usize, &f64)| (x - positions[0] - index as f64 * step_m).abs() < EVEN * step_m;
     if positions.iter().enumerate().all(is_even) {
         return Ok((Heights { step_m, columns: heights.len(), values: heights }, Vec::new()));
     }
-    let values = resampled(&positions, &heights, step_m);
+    let values = resampled(&positions, &heights, step_m, widest_m);
     Ok((Heights { step_m, columns: values.len(), values }, vec![Note::Resampled { step_m }]))
 }
 
-/// Heights at even steps by cubic pieces whose slopes are those of their neighbours' parabola.
-fn resampled(positions: &[f64], heights: &[f64], step_m: f64) -> Vec<f64> {
+/// Heights at even steps by cubic pieces whose slopes are those of their neighbours' parabola; NaN
+/// within pieces that are longer than `widest_m`.
+fn resampled(positions: &[f64], heights: &[f64], step_m: f64, widest_m: f64) -> Vec<f64> {
     let last = positions.len() - 1;
     let rise = |index: usize| (heights[index + 1] - heights[index]) / (positions[index + 1] - positions[index]);
     let slope = |index: usize| match index {
@@ -84,10 +98,14 @@ fn resampled(positions: &[f64], heights: &[f64], step_m: f64) -> Vec<f64> {
             piece += 1;
         }
         let length = positions[piece + 1] - positions[piece];
+        if length > widest_m {
+            return f64::NAN;
+        }
         let t = ((x - positions[piece]) / length).clamp(0.0, 1.0);
         let (from, to) = (heights[piece], heights[piece + 1]);
         let (bend, turn) = (length * slope(piece) - (to - from), (to - from) - length * slope(piece + 1));
         (1.0 - t) * from + t * to + t * (1.0 - t) * ((1.0 - t) * bend + t * turn)
     };
-    (0..=last).map(at).collect()
+    let points = ((positions[last] - positions[0]) / step_m * (1.0 + 1e-9)) as usize;
+    (0..=points).map(at).collect()
 }

@@ -79,9 +79,11 @@ pub enum SurfaceError {
         range: &'static str,
     },
     /// Too few points to tell a surface.
-    #[error("{points} points are too few to tell a surface: give at least {least}")]
+    #[error(
+        "{points} points a row are too few to tell a surface: give a profile, or rows of a map, of at least {least}"
+    )]
     TooFew {
-        /// Number of points.
+        /// Number of points of a row.
         points: usize,
         /// Least number.
         least: usize,
@@ -134,10 +136,12 @@ pub enum SurfaceError {
     /// `--map` was given for a profile.
     #[error("--map: the file holds one profile, not a map: leave --map out")]
     NoMap,
-    /// A table would not fit into the flash that a surface may take.
-    #[error("{points} points take {} bytes: a surface may take 65536; give fewer --points, a shorter --section or a larger --extend-to", 2 * points)]
-    TooLarge {
-        /// Number of points.
-        points: usize,
+    /// A kit does not take the table.
+    #[error(
+        "no kit takes this table ({cause}): if it is too large or too small give another --section or --extend-to, else look whether heights and steps are in metres (--height-scale, --step)"
+    )]
+    NotOfKit {
+        /// Refusal of the kit.
+        cause: Box<kit::KitError>,
     },
 }

@@ -4,7 +4,8 @@ use super::options::Note;
 use super::statistics::{Band, Octave, Statistics};
 
 /// Wavelengths, in shortest ones, over which the slope is fitted: beyond the edge of a measurement.
-const FITTED: [f64; 2] = [3.0, 24.0];
+/// Shorter waves follow the slope.
+pub(super) const FITTED: [f64; 2] = [3.0, 24.0];
 /// Ratio of the edges of an added band: a sixth of an octave.
 const BAND: f64 = 1.122_462_048_309_373;
 

@@ -1,24 +1,32 @@
 //! Steps that make the table of a surface.
 
 use super::error::SurfaceError;
-use super::extension::extended;
+use super::extension::{FITTED, extended};
 use super::filled::{filled, whole_rows};
 use super::heights::Heights;
 use super::map::map;
 use super::options::{Note, Options, Source};
 use super::profile::{LEAST_POINTS, profiles};
-use super::report::{Report, report};
-use super::section::section;
+use super::report::{Report, below_shortest_percent, report};
+use super::section::{resampled, section};
 use super::shortest::shortest_m;
 use super::statistics::{Curvature, statistics};
 use super::synthesis::synthesised;
-use super::table::{MOST_POINTS, Table};
+use super::table::Table;
 use super::tip;
+use super::waves::frequency_per_m;
 
-/// Number of points of a synthesis at most and at least, a power of two.
-const POINTS: [usize; 2] = [256, MOST_POINTS];
+/// Number of points of a synthesis at least and at most, a power of two. Twice as many would not
+/// fit into the 64 KB that a surface may take.
+const POINTS: [usize; 2] = [256, 4096];
 /// Points of a table in its shortest wave.
 const POINTS_PER_WAVE: f64 = 3.0;
+/// Largest share of a profile's curvature, in percent of its power, that may lie below the shortest
+/// wave before long waves are taken off.
+const MOST_BELOW_PERCENT: f64 = 0.1;
+/// Longest wave in metres that is then kept, and in shortest waves if that is longer.
+const LONGEST_M: f64 = 1.1e-3;
+const LONGEST_WAVES: f64 = 20.0;
 /// Least length of a profile in shortest waves.
 const LEAST_WAVES: f64 = 40.0;
 
@@ -75,17 +83,17 @@ pub fn fit(
     let table = match options.source {
         Source::Map => {
             let (map, rows, step_m) = map(&heights, &is_missing, measured_m, POINTS_PER_WAVE)?;
-            Table::new(&map, rows, step_m, measured_m)?
+            Table::of_map(&map, rows, step_m, measured_m)?
         }
         Source::Section(range_m) => {
             let (heights, step_m) = section(&profiles, range_m, measured_m, step_m(measured_m))?;
-            Table::new(&heights, 1, step_m, measured_m)?
+            table_of(&heights, step_m, measured_m, &mut notes)?
         }
         Source::Statistics => {
             let shortest_m = options.extend_to_m.unwrap_or(measured_m);
             let mut wanted = statistics(&surface, measured_m, options.points as f64 * step_m(shortest_m));
             if let Some(to_m) = options.extend_to_m {
-                if to_m >= measured_m || to_m < measured_m / 64.0 {
+                if !(measured_m / 64.0..measured_m).contains(&to_m) {
                     let range = "give a wavelength from 1/64 of the shortest measured one to below it";
                     return Err(SurfaceError::Range { option: "--extend-to", value: to_m, range });
                 }
@@ -96,13 +104,28 @@ pub fn fit(
             told(0.5);
             let step_m = step_m(wanted.shortest_m);
             let heights = synthesised(&wanted, options.points, step_m, options.seed);
-            Table::new(&heights, 1, step_m, wanted.shortest_m)?
+            table_of(&heights, step_m, wanted.shortest_m, &mut notes)?
         }
     };
     told(0.9);
-    let report = report(&table, &surface, is_turned);
+    let kept_m = if options.extend_to_m.is_some() { FITTED[0] * measured_m } else { measured_m };
+    let report = report(&table, (&surface, kept_m), is_turned)?;
     told(1.0);
     Ok((table, report, notes))
+}
+
+/// Table of a profile. If rounding its heights to 16 bits leaves more than [`MOST_BELOW_PERCENT`]
+/// below the shortest wave, waves that are long beside the shortest one are taken off, and a note
+/// says so: they take up the range of the numbers, and hardly bend the surface.
+fn table_of(heights: &[f64], step_m: f64, shortest_m: f64, notes: &mut Vec<Note>) -> Result<Table, SurfaceError> {
+    let table = Table::of_profile(heights, step_m, shortest_m)?;
+    if below_shortest_percent(&table) <= MOST_BELOW_PERCENT {
+        return Ok(table);
+    }
+    let longest_m = LONGEST_M.max(LONGEST_WAVES * shortest_m);
+    notes.push(Note::LongWaves { longest_m });
+    let is_kept = |bin| frequency_per_m(bin, heights.len(), step_m) >= 1.0 / longest_m;
+    Table::of_profile(&resampled(heights, heights.len(), is_kept), step_m, shortest_m)
 }
 
 fn check(heights: &Heights, options: &Options) -> Result<(), SurfaceError> {
@@ -111,9 +134,12 @@ fn check(heights: &Heights, options: &Options) -> Result<(), SurfaceError> {
     if !is_scale {
         return range("--height-scale", options.height_scale, "give a number above 0");
     }
+    if heights.columns < LEAST_POINTS || heights.rows() == 0 {
+        return Err(SurfaceError::TooFew { points: heights.columns, least: LEAST_POINTS });
+    }
     let [least, most] = POINTS;
     if !options.points.is_power_of_two() || !(least..=most).contains(&options.points) {
-        return range("--points", options.points as f64, "give a power of two from 256 to 32768");
+        return range("--points", options.points as f64, "give a power of two from 256 to 4096");
     }
     if let Some(radius_m) = options.tip_radius_m.filter(|radius_m| !(1e-7..=1.0).contains(radius_m)) {
         return range("--tip-radius", radius_m, "give 1e-7 to 1 m");

@@ -17,7 +17,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<(Vec<f64>, usize), Surf
     let kind = quoted(head, "descr").ok_or_else(|| not_npy("its head names no type"))?;
     let shape = shape(head).ok_or_else(|| not_npy("its head names no shape"))?;
     let (rows, columns) = match shape[..] {
-        [columns] => (1, columns),
+        [columns] | [columns, 1] => (1, columns),
         [rows, columns] => (rows, columns),
         _ => return Err(SurfaceError::Shape { path: path.to_owned(), shape }),
     };

@@ -19,7 +19,7 @@ pub enum Source {
 pub struct Options {
     /// Factor on all heights.
     pub height_scale: f64,
-    /// Number of points of a synthesis, a power of two from 256 to 32 768.
+    /// Number of points of a synthesis, a power of two from 256 to 4096.
     pub points: usize,
     /// Source of the heights.
     pub source: Source,
@@ -80,6 +80,11 @@ pub enum Note {
         /// Slope of the power spectral density of heights over frequency.
         slope: f64,
     },
+    /// Long waves were taken off, so that 16-bit heights hold the short ones.
+    LongWaves {
+        /// Longest wave in metres that is kept.
+        longest_m: f64,
+    },
     /// A map was read as a bundle of profiles.
     Rows {
         /// Number of profiles.
@@ -109,6 +114,11 @@ impl fmt::Display for Note {
                 "waves from {:.1} to {:.1} µm are not measured: the spectrum goes on with its slope of {slope:.1}",
                 1e6 * from_m,
                 1e6 * to_m
+            ),
+            Self::LongWaves { longest_m } => write!(
+                f,
+                "waves longer than {:.2} mm are left out: beside them 16-bit heights would be too coarse for the short ones",
+                1e3 * longest_m
             ),
             Self::Rows { rows } => write!(f, "the map's {rows} rows are read as profiles; --map keeps the map itself"),
         }

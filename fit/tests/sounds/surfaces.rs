@@ -11,18 +11,22 @@ const STEP_M: f64 = 4e-6;
 /// Shortest wave of the computed surface in metres.
 const SHORTEST_M: f64 = 40e-6;
 
-/// A spiky surface that was interpolated: its heights fall by 20 dB a decade of wavelength to
-/// 40 µm, and are rounded to 0.01 nm.
-fn computed() -> Heights {
-    const POINTS: usize = 65_536;
+/// Numbers from -0.5 to 0.5 (xorshift, Marsaglia 2003).
+fn random() -> impl FnMut() -> f64 {
     let mut state = 1u64;
-    let mut uniform = || {
-        // Xorshift (Marsaglia 2003).
+    move || {
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+    }
+}
+
+/// A spiky surface that was interpolated: its heights fall by 20 dB a decade of wavelength to
+/// 40 µm, and are rounded to 0.01 nm.
+fn computed() -> Heights {
+    const POINTS: usize = 65_536;
+    let mut uniform = random();
     let spiky: Vec<f64> = (0..POINTS).map(|_| (uniform() + uniform() + uniform()).powi(5)).collect();
     let (forward, inverse) = (fourier::forward(POINTS), fourier::inverse(POINTS));
     let mut bins = forward.make_output_vec();
@@ -56,7 +60,7 @@ fn assert_alike(name: &str, report: &Report) {
     );
     assert!(report.band_rms_db <= 0.5 && report.band_max_db <= 1.0, "{name}: {report:?}");
     assert!(((of_table + 3.0) / (of_surface + 3.0) - 1.0).abs() < 0.02, "{name}: {of_surface} and {of_table}");
-    assert!(report.below_shortest_percent < 0.03, "{name}: {} %", report.below_shortest_percent);
+    assert!(report.below_shortest_percent < 0.001, "{name}: {} %", report.below_shortest_percent);
 }
 
 #[test]
@@ -65,8 +69,9 @@ fn table_of_an_interpolated_surface_has_its_statistics_down_to_its_shortest_wave
     assert_alike("computed", &report);
     assert!((report.shortest_m / SHORTEST_M - 1.0).abs() < 0.05, "{}", report.shortest_m);
     assert!(matches!(notes[..], [Note::Upsampled { .. }]), "{notes:?}");
-    assert_eq!((table.rows, table.heights.len(), report.flash_bytes), (1, 4096, 8192));
-    assert!(report.kurtosis[0] > 2.0 && table.heights.iter().any(|height| height.abs() == i16::MAX));
+    assert_eq!((table.rows, table.heights.len(), report.columns), (1, 4096, 4096));
+    assert!((50_000..=65_536).contains(&report.flash_bytes), "{}", report.flash_bytes);
+    assert!(report.kurtosis[0] > 2.0 && table.heights.iter().any(|height| height.abs() > i16::MAX - 128));
 }
 
 #[test]
@@ -197,6 +202,26 @@ fn surfaces_that_tell_nothing_are_refused_by_name() {
 }
 
 #[test]
+fn gaps_in_the_positions_are_missing_points() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("gap.csv");
+    let written = |gap_m: f64| {
+        let line = |index: u32| {
+            let x_m = 2e-6 * f64::from(index) + if index < 10_000 { 0.0 } else { gap_m };
+            format!("{x_m:e},{:e}\n", 1e-6 * (f64::from(index) * 0.7).sin())
+        };
+        let text: String = (0..20_000).map(line).collect();
+        std::fs::write(&path, format!("x_m,height_m\n{text}")).expect("it is written");
+        read(&path, None)
+    };
+    let (heights, notes) = written(0.01).expect("a fifth may be missing");
+    let missing = heights.values.iter().filter(|height| height.is_nan()).count();
+    assert!((4_998..=5_002).contains(&missing) && heights.values.len().abs_diff(25_000) < 3, "{missing}");
+    assert!((heights.step_m / 2e-6 - 1.0).abs() < 1e-6 && matches!(notes[..], [Note::Resampled { .. }]), "{notes:?}");
+    assert!(matches!(written(0.4), Err(SurfaceError::Missing { percent }) if percent > 90.0));
+}
+
+#[test]
 fn uneven_positions_are_resampled_and_disorder_is_refused() {
     let folder = tempfile::TempDir::new().expect("a folder");
     let path = folder.path().join("profile.csv");
@@ -261,4 +286,49 @@ fn tables_of_measured_surfaces_have_their_statistics() {
         assert_eq!(is_doubted, name.contains("sanded_acrylic"), "{name}: {notes:?}");
     }
     assert_eq!(known, 10);
+}
+
+#[test]
+fn steep_surfaces_leave_next_to_nothing_below_their_shortest_wave() {
+    for (slope, most_percent) in [(-3.0, 0.0014), (-4.0, 0.0052), (-5.0, 0.028)] {
+        // Waves from 5 mm to 4 µm, of a density of heights that falls by f^slope.
+        let (points, step_m) = (1 << 15, 2e-6);
+        let length_m = f64::from(points) * step_m;
+        let mut uniform = random();
+        let mut values = vec![0.0; points as usize];
+        let inverse = fourier::inverse(values.len());
+        let mut bins = inverse.make_input_vec();
+        for (bin, value) in bins.iter_mut().enumerate() {
+            let frequency_per_m = bin as f64 / length_m;
+            if (200.0..2.5e5).contains(&frequency_per_m) {
+                let phase = TAU * uniform();
+                *value = Complex::from_polar(frequency_per_m.powf(0.5 * slope), phase);
+            }
+        }
+        inverse.process(&mut bins, &mut values).expect("plan and buffers have one length");
+        let rms = (values.iter().map(|x| x * x).sum::<f64>() / f64::from(points)).sqrt();
+        values.iter_mut().for_each(|height| *height *= 5e-6 / rms);
+        let heights = Heights { step_m, columns: values.len(), values };
+        let (_, report, notes) = table(&heights, Options::default());
+        let percent = report.below_shortest_percent;
+        println!("slope {slope}: {percent:.4} % below, bands {:.2} dB rms, {notes:?}", report.band_rms_db);
+        assert!(percent < most_percent && report.band_rms_db < 0.5, "{percent} %, {report:?}");
+        assert_eq!(notes.iter().any(|note| matches!(note, Note::LongWaves { .. })), slope < -3.5, "{notes:?}");
+    }
+}
+
+#[test]
+fn surfaces_that_no_kit_takes_and_files_without_points_are_refused_by_name() {
+    let refused = |heights: Heights, options: Options| match fit(heights, &options, |_| {}) {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("it is taken"),
+    };
+    let empty = |columns| Heights { step_m: 1e-6, columns, values: Vec::new() };
+    assert!(refused(empty(0), Options::default()).contains("too few"));
+    assert!(refused(empty(5), Options::default()).contains("too few"));
+    let wide = Heights { step_m: 0.02, ..computed() };
+    assert!(refused(wide, Options::default()).contains("step_m"));
+    let short = Options { source: Source::Section([0.0, 21.0 * SHORTEST_M]), ..Options::default() };
+    assert!(refused(computed(), short).contains("heights"));
+    assert!(refused(computed(), Options { points: 8192, ..Options::default() }).contains("--points"));
 }

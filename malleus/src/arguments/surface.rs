@@ -20,7 +20,7 @@ pub(crate) struct SurfaceArguments {
     /// Factor on all heights
     #[arg(long, value_name = "K", default_value = "1")]
     pub(crate) height_scale: f64,
-    /// Number of points of the new profile: a power of two from 256 to 32768
+    /// Number of points of the new profile: a power of two from 256 to 4096
     #[arg(long, value_name = "N", default_value = "4096", conflicts_with_all = ["section", "map"])]
     pub(crate) points: usize,
     /// Section of the profile as measured, from and to in metres, in place of a new profile with

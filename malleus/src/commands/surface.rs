@@ -81,7 +81,7 @@ fn as_text(shown: &SurfaceReport<'_>) -> String {
         "{}: {} x {} points, {:.2} µm apart, {:.1} mm a row, {} bytes\n",
         shown.table.display(),
         report.rows,
-        report.flash_bytes / 2 / report.rows,
+        report.columns,
         1e6 * report.step_m,
         1e3 * report.length_m,
         report.flash_bytes
