@@ -4,6 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 /// Failure to read or write a file, or to make a folder.
 #[derive(Debug, thiserror::Error)]
@@ -140,7 +141,10 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let beside = target.with_file_name(format!(".malleus-{}-{number}.part", std::process::id()));
         match OpenOptions::new().write(true).create_new(true).open(&beside) {
-            Ok(file) => return Ok((beside, file)),
+            Ok(file) => {
+                target.parent().into_iter().for_each(remove_left);
+                return Ok((beside, file));
+            }
             // The file was left by a killed process that had this process's id.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
@@ -148,9 +152,52 @@ fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     }
 }
 
+/// Age of a file that was left by a process, beyond which it is removed. Where several machines
+/// share a folder, the processes of the others are not known.
+const LEFT_FOR: Duration = Duration::from_secs(60);
+
+/// Removes the files that processes which were killed have left in a folder, where the system tells
+/// which processes run.
+fn remove_left(folder: &Path) {
+    let processes = Path::new("/proc");
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let (true, Ok(entries)) = (processes.join("self").exists(), fs::read_dir(folder)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let numbers = name.to_str().and_then(|name| name.strip_prefix(".malleus-")?.strip_suffix(".part"));
+        let process = numbers.and_then(|numbers| numbers.split_once('-')?.0.parse::<u32>().ok());
+        let is_running = process.is_none_or(|process| processes.join(process.to_string()).exists());
+        let age = entry.metadata().and_then(|there| there.modified()).ok().and_then(|time| time.elapsed().ok());
+        if !is_running && age.is_some_and(|age| age > LEFT_FOR) {
+            // A file that cannot be removed does no harm to the one that is written.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::SystemTime;
+
+    #[test]
+    fn files_of_processes_that_were_killed_are_removed_by_the_next_one() {
+        let folder = std::env::temp_dir().join(format!("malleus-left-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("made");
+        // No process has a number this large.
+        let left = folder.join(format!(".malleus-{}-0.part", u32::MAX));
+        let own = folder.join(format!(".malleus-{}-4000000000.part", std::process::id()));
+        let fresh = folder.join(format!(".malleus-{}-1.part", u32::MAX));
+        for path in [&left, &own, &fresh] {
+            let file = File::create(path).expect("written");
+            let age = if *path == fresh { Duration::ZERO } else { 2 * LEFT_FOR };
+            file.set_modified(SystemTime::now() - age).expect("set");
+        }
+        write_whole(&folder.join("new"), b"new").expect("written");
+        assert_eq!(left.exists(), !Path::new("/proc/self").exists());
+        assert!(own.exists() && fresh.exists() && folder.join("new").exists());
+        fs::remove_dir_all(&folder).expect("removed");
+    }
 
     #[test]
     fn files_that_are_written_together_stay_as_they_were_if_one_cannot_be() {

@@ -9,7 +9,7 @@ use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
-use malleus::render::level::Level;
+use malleus::render::level::{Level, held_frames};
 use malleus::render::part::Part;
 use malleus::render::{Performance, board, instrument, own_force, parts, reference};
 use malleus::{events, wave};
@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
             kit::file::write_whole(path, events::csv::write(&played, &table, rate).as_bytes())
                 .map_err(|error| CommandError::Log { error })?;
         }
-        let level = Level::of_bus(&frames);
+        let level = Level { held_frames: held_frames(&table, &frames), ..Level::of_bus(&frames) };
         dsp_core::output::to_24_bit(&mut frames);
         (frames, level)
     };
@@ -130,6 +130,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         unclipped_peak_dbfs: level.peak_dbfs(),
         clipped_samples: level.clipped_samples,
         saturated_samples: (!arguments.reference).then_some(level.saturated_samples),
+        held_frames: (!arguments.reference).then_some(level.held_frames),
         largest_force: force.map(|force| force.largest),
         force_overloads: force.map(|force| force.overloads),
         budget_cycles,
@@ -163,6 +164,12 @@ fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
         eprintln!(
             "malleus: {kit}: {} samples stand at the end of the bus, +24 dBFS, and may be clipped there; lower the pads' level_db",
             level.saturated_samples
+        );
+    }
+    if level.held_frames > 0 {
+        eprintln!(
+            "malleus: {kit}: a pad's sound is clipped in {} frames, at +24 dBFS before its level_db; lower its object's gains (of scrapes and rolls, surface_level_db), and raise the level_db as much",
+            level.held_frames
         );
     }
     if level.clipped_samples > 0 {

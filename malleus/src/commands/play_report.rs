@@ -95,6 +95,7 @@ pub(super) struct PlayReport<'a> {
     pub(super) unclipped_peak_dbfs: Option<f64>,
     pub(super) clipped_samples: u64,
     pub(super) saturated_samples: Option<u64>,
+    pub(super) held_frames: Option<u64>,
     pub(super) largest_force: Option<f64>,
     pub(super) force_overloads: Option<u64>,
     pub(super) budget_cycles: Option<u32>,

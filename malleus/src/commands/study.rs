@@ -20,6 +20,8 @@ const KIT: &str = "scrapes";
 const LOUDNESS_LKFS: f64 = -26.0;
 /// Window of the loudness, in seconds.
 const WINDOW_S: f64 = 0.4;
+/// Length in seconds of the fade at the end of a sound.
+const FADE_S: f64 = 0.1;
 /// Highest peak of a sound of a page, 1.0 = full scale.
 const HIGHEST_PEAK: f64 = 0.9;
 /// Pad and striker of the motions that are recognized. The pad's object has one position: where an
@@ -115,7 +117,7 @@ fn page(experiment: Experiment, folder: &Path) -> Result<PageReport, CommandErro
         let mut own = Vec::new();
         for (method, sound) in sounds {
             let gain = gain(&sound);
-            let loud: Vec<f64> = sound.iter().map(|x| gain * x).collect();
+            let loud: Vec<f64> = faded(&sound).map(|x| gain * x).collect();
             let file = sounds_folder.join(format!("{:02}-{method}.wav", index + 1));
             wave::write_mono(&file, RATE.hz(), &loud)?;
             own.push((method, loud.iter().map(|&x| x as f32).collect()));
@@ -128,6 +130,16 @@ fn page(experiment: Experiment, folder: &Path) -> Result<PageReport, CommandErro
     write_page(&path, experiment, &rated)?;
     let methods: Vec<_> = methods.iter().map(|method| method.name).collect();
     Ok(PageReport { page: path, kit: KIT, trials: trials.len(), methods, sounds: reports })
+}
+
+/// Sound whose end fades to silence, so that none stops with a click that tells its method.
+fn faded(sound: &[f64]) -> impl Iterator<Item = f64> {
+    let fade = (FADE_S * RATE.hz()) as usize;
+    let weight = move |from_end: usize| {
+        let share = (from_end as f64 / fade as f64).min(1.0);
+        0.5 - 0.5 * (std::f64::consts::PI * share).cos()
+    };
+    sound.iter().enumerate().map(move |(index, x)| weight(sound.len() - 1 - index) * x)
 }
 
 impl PageReport {

@@ -1,6 +1,8 @@
 //! Level of a sound before the step to 24 bits, and the number of samples that the step clips.
 
 use dsp_core::fixed::{FULL_SCALE_24_BIT, ONE_Q27};
+use dsp_core::output::Panner;
+use dsp_core::table::{Kit, Pad};
 
 /// Level of a sound before the step to 24 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +14,23 @@ pub struct Level {
     /// Number of samples at the end of the bus, +24 dBFS, at which the bus clips; 0 for a sound of
     /// the reference, which has no bus.
     pub saturated_samples: u64,
+    /// Number of frames that are a single pad's sound at its end, ±16 before the pad's level, at
+    /// which it clips ([`held_frames`]).
+    pub held_frames: u64,
+}
+
+/// Number of frames of a stereo bus, Q4.27, that are one pad's sound at its end and nothing else.
+///
+/// A pad's sound clips at ±16 before its level, which may be far below full scale. What clips while
+/// other pads or a room sound is not counted.
+pub fn held_frames(table: &Kit<'_>, bus: &[[i32; 2]]) -> u64 {
+    let of_pad = |pad: Pad<'_>| {
+        let mut ends = [[0; 2]; 2];
+        Panner::new(pad.level_db(), pad.pan()).render(&[i32::MAX, i32::MIN], &mut ends);
+        ends
+    };
+    let ends: Vec<[i32; 2]> = table.pads().flat_map(of_pad).filter(|end| *end != [0, 0]).collect();
+    bus.iter().filter(|frame| ends.contains(frame)).count() as u64
 }
 
 impl Level {
@@ -44,6 +63,7 @@ impl Level {
             peak: self.peak.max(magnitude),
             clipped_samples: self.clipped_samples + u64::from(clips),
             saturated_samples: self.saturated_samples + u64::from(saturates),
+            ..self
         }
     }
 }

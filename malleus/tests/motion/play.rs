@@ -125,6 +125,24 @@ fn instrument_and_reference_play_the_same_motion_and_each_ablation_sounds_differ
     }
 }
 
+#[test]
+fn pad_whose_scrapes_come_to_its_end_is_told_before_its_level_reaches_full_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    runs(folder, "motion line --speed 8 --length 2 --pad bar -o m.csv");
+    let of_level = |level_db: i32| {
+        write_kit(folder, &format!("{SURFACE}\nsurface_level_db = {level_db}"), SCRAPE);
+        let done = malleus(folder, "play --kit kit.toml --motion m.csv --tail 0.1 --json -o out.wav");
+        let report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+        let told = String::from_utf8_lossy(&done.stderr).contains("surface_level_db");
+        (report["held_frames"].as_u64().unwrap(), report["peak_dbfs"].as_f64().unwrap(), told)
+    };
+    let (held, peak_dbfs, told) = of_level(40);
+    assert!(held > 10 && told && peak_dbfs < -3.0, "{held} frames, {peak_dbfs} dBFS");
+    let (held, _, told) = of_level(-40);
+    assert!(held == 0 && !told, "{held} frames");
+}
+
 /// Distance of a sound from another in dB of the first.
 fn snr_db(whole: &[i32], other: &[i32]) -> f64 {
     let [signal, noise] = whole.iter().zip(other).fold([0.0, 0.0], |[signal, noise], (&a, &b)| {

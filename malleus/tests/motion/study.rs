@@ -39,6 +39,7 @@ fn rolling_page_holds_each_trial_by_each_method_and_fetches_nothing() {
         let samples: Vec<f32> = hound::WavReader::open(file).unwrap().samples().map(Result::unwrap).collect();
         let peak = samples.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
         assert!((1e-3..=0.9001).contains(&peak), "{file}: {peak}");
+        assert_eq!(samples.last(), Some(&0.0), "{file} ends in silence");
         assert_eq!(samples.len() as f64 / 48_000.0, sound["duration_s"].as_f64().unwrap());
         let both: Vec<[f64; 2]> = samples.iter().map(|&x| [f64::from(x); 2]).collect();
         levels.push(malleus::loudness::loudest_lkfs(&both, 48_000.0, 0.4));

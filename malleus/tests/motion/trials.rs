@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use malleus::motion::normal::GRAVITY_M_PER_S2;
 use malleus::motion::trials::{Shape, Trial, TrialError};
-use malleus::motion::{Action, Motion, MotionFault};
+use malleus::motion::{Action, Motion};
 use proptest::prelude::*;
 
 use crate::parse;
@@ -161,7 +161,7 @@ fn trials_that_cannot_be_are_refused_by_name() {
     assert!(matches!(strokes(0.0, 4), TrialError::Parameter { name: "period", .. }));
     assert!(matches!(strokes(1.0, 0), TrialError::Parameter { name: "strokes", .. }));
     // π 0.2 m / 0.05 s is 12.6 m/s.
-    assert!(matches!(strokes(0.05, 4), TrialError::Path(MotionFault::TooFast { .. })));
+    assert!(matches!(strokes(0.05, 4), TrialError::TooFast { .. }));
     let roll = |speed_m_per_s, incline_deg| refused(Shape::Roll { length_m: 0.5, speed_m_per_s, incline_deg });
     assert!(matches!(roll(0.0, 1.0), TrialError::AtRest));
     assert!(matches!(roll(0.1, 85.0), TrialError::Parameter { name: "incline", .. }));
@@ -196,7 +196,7 @@ proptest! {
             }
             match (Trial { shape, start_s, place_m: [place, -place] }).varied(seed).draw() {
                 Ok(drawing) => prop_assert_eq!(parse(drawing.csv("board", "").as_bytes()).unwrap(), drawing.motion().unwrap()),
-                Err(TrialError::Path(fault)) => prop_assert!(matches!(fault, MotionFault::TooFast { .. }), "{}", fault),
+                Err(TrialError::Path(fault)) => prop_assert!(false, "{}", fault),
                 Err(_) => {}
             }
         }

@@ -1,5 +1,6 @@
 //! Trials: their paths and the reasons for which they cannot be drawn.
 
+use crate::motion::MOST_SPEED_M_PER_S;
 use crate::motion::error::MotionFault;
 
 /// Path of a trial. Lengths in metres, times in seconds, speeds in metres per second.
@@ -96,7 +97,27 @@ pub enum TrialError {
         /// Longest time in seconds.
         most_s: f64,
     },
-    /// The path is no motion, such as for its speed.
+    /// The path is too fast, as one of short periods is, or a circle at just the highest speed.
+    #[error(
+        "{speed_m_per_s:.4} m/s at {time_s:.3} s of the motion, and no motion is faster than {MOST_SPEED_M_PER_S} m/s: take less --length or --speed, or more --period"
+    )]
+    TooFast {
+        /// Time in seconds at which the motion is fastest.
+        time_s: f64,
+        /// Speed there in metres per second.
+        speed_m_per_s: f64,
+    },
+    /// The path is no motion for another reason.
     #[error(transparent)]
-    Path(#[from] MotionFault),
+    Path(MotionFault),
+}
+
+impl From<MotionFault> for TrialError {
+    /// Leaves out the line, since no file was written.
+    fn from(fault: MotionFault) -> Self {
+        match fault {
+            MotionFault::TooFast { time_s, speed_m_per_s, .. } => Self::TooFast { time_s, speed_m_per_s },
+            fault => Self::Path(fault),
+        }
+    }
 }
