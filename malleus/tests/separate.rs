@@ -11,6 +11,11 @@ const STEP: f64 = 8_388_608.0;
 
 /// Folder with the recordings t0s0.wav to t1s1.wav of two strikers on two things.
 fn recorded() -> TempDir {
+    recorded_with(0.0)
+}
+
+/// Folder with the same recordings, to which an offset is added.
+fn recorded_with(offset: f64) -> TempDir {
     let folder = TempDir::new().expect("a folder");
     for blow in set(77, 2, 2, 1) {
         let spec = hound::WavSpec {
@@ -22,7 +27,7 @@ fn recorded() -> TempDir {
         let path = folder.path().join(format!("t{}s{}.wav", blow.object, blow.striker));
         let mut writer = hound::WavWriter::create(path, spec).expect("a file");
         for x in &blow.samples[..26_000] {
-            writer.write_sample((x * STEP).round() as i32).expect("a sample");
+            writer.write_sample(((x + offset) * STEP).round() as i32).expect("a sample");
         }
         writer.finalize().expect("a whole file");
     }
@@ -85,6 +90,26 @@ fn stems_add_up_to_the_recording_and_known_tables_are_kept() {
         assert!(!frequencies("out").is_empty());
         assert_eq!(frequencies("out"), frequencies("again"));
     }
+}
+
+#[test]
+fn constant_offset_of_a_recording_goes_into_its_rest_and_is_named() {
+    let folder = recorded_with(0.05);
+    let at = |name: &str| folder.path().join(name);
+    let done = separate(folder.path(), LABELS, &format!("{ALL} -o out --json"));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let rows: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    for row in rows.as_array().expect("rows") {
+        assert!(row["left_db"].as_f64().expect("a number") < -15.0, "{}", row["left_db"]);
+        assert!(row["notes"][0].as_str().is_some_and(|note| note.contains("offset of 5.00e-2")), "{}", row["notes"]);
+    }
+    let mut reader = hound::WavReader::open(at("t0s0.wav")).expect("a recording");
+    let recording: Vec<f64> = reader.samples::<i32>().map(|x| f64::from(x.expect("a sample")) / STEP).collect();
+    let stems = ["object", "striker", "rest"].map(|stem| floats(&at(&format!("out/t0s0-{stem}.wav"))));
+    let off = recording.iter().enumerate().map(|(n, x)| (x - stems[0][n] - stems[1][n] - stems[2][n]).abs());
+    assert!(off.fold(0.0, f64::max) < 6e-8);
+    let mean = |sound: &[f64]| sound.iter().sum::<f64>() / sound.len() as f64;
+    assert!((mean(&stems[2]) - 0.05).abs() < 1e-3 && mean(&stems[0]).abs() < 1e-3, "{}", mean(&stems[2]));
 }
 
 #[test]

@@ -139,11 +139,13 @@ fn in_words(error: &SeparateError, inputs: &[PathBuf]) -> String {
 
 /// Writes the three stems, whose samples in 32-bit float add up to the recording's.
 ///
-/// The rest is what the rounded stems of thing and striker leave, so that rounding adds up once.
+/// The rest is what the rounded stems of thing and striker leave, so that rounding adds up once. A
+/// constant offset of the recording is in the rest.
 fn write_stems(stems: &Stems, recording: &Recording, files: &StemFiles) -> Result<(), CommandError> {
     let rounded = |samples: &[f64]| samples.iter().map(|x| f64::from(*x as f32)).collect::<Vec<f64>>();
     let (object, striker) = (rounded(&stems.object), rounded(&stems.striker));
-    let rest: Vec<f64> = recording.samples.iter().zip(&object).zip(&striker).map(|((x, a), b)| x - a - b).collect();
+    let recorded = recording.samples.iter().map(|x| x + recording.offset);
+    let rest: Vec<f64> = recorded.zip(&object).zip(&striker).map(|((x, a), b)| x - a - b).collect();
     for (path, samples) in [(&files.object, &object), (&files.striker, &striker), (&files.rest, &rest)] {
         write_mono(path, recording.rate_hz, samples)?;
     }
