@@ -197,7 +197,7 @@ pub(crate) struct FitArguments {
     pub(crate) events: Option<PathBuf>,
     /// Number of gains of each mode along the object, for strikes at different positions: about
     /// three for each half wave of the highest mode, at least 4; 1 for one place
-    #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = parse_positions)]
     pub(crate) positions: u8,
     /// Number of strikers that strike, told apart by their contact times and own modes
     #[arg(long, value_name = "N", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -356,6 +356,11 @@ fn parse_ceiling(text: &str) -> Result<f32, String> {
 fn parse_modes(text: &str) -> Result<usize, String> {
     let modes = text.parse().ok().filter(|modes| (1..=1025).contains(modes));
     modes.ok_or("must be from 1 to 1025 modes".to_owned())
+}
+
+fn parse_positions(text: &str) -> Result<u8, String> {
+    let positions = text.parse().ok().filter(|positions| *positions == 1 || (4..=16).contains(positions));
+    positions.ok_or("must be from 4 to 16 gains along the object, or 1 for one place".to_owned())
 }
 
 fn parse_cycles(text: &str) -> Result<f64, String> {
