@@ -133,3 +133,19 @@ fn wrong_labels_and_files_are_refused_and_nothing_is_written() {
         assert!(!folder.path().join("out").exists(), "{expected}");
     }
 }
+
+#[test]
+fn known_table_that_would_be_written_over_is_refused_and_kept() {
+    let folder = recorded();
+    let known = folder.path().join("out/mug-object.toml");
+    std::fs::create_dir(folder.path().join("out")).expect("a folder");
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/../tables/bowl.toml"), &known).expect("a table");
+    let before = std::fs::read(&known).expect("a table");
+    for option in ["mug=out/mug-object.toml", "out/../out/mug-object.toml"] {
+        let done = separate(folder.path(), LABELS, &format!("{ALL} -o out --object {option}"));
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(done.status.code() == Some(1) && said.contains("mug-object.toml: is read by this command"), "{said}");
+    }
+    assert_eq!(std::fs::read(&known).expect("a table"), before);
+    assert_eq!(std::fs::read_dir(folder.path().join("out")).expect("a folder").count(), 1);
+}

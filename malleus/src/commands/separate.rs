@@ -1,6 +1,5 @@
 //! `malleus separate`: recordings of strikers on things become the sounds of each.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -64,6 +63,11 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
     let files: Vec<StemFiles> = names.iter().map(|name| stem_files(&arguments.output, name)).collect();
     for path in files.iter().flat_map(|files| [&files.object, &files.striker, &files.rest]) {
         refuse_input(path, inputs.iter().map(PathBuf::as_path))?;
+    }
+    let written = [(Kind::Object, &labels.objects), (Kind::Striker, &labels.strikers)];
+    for path in written.into_iter().flat_map(|(kind, names)| tables::written(&arguments.output, kind, names)) {
+        let known = arguments.object.iter().chain(&arguments.striker).map(|option| tables::path_of(option));
+        refuse_input(&path, known.chain([arguments.labels.as_path()]))?;
     }
     let recordings: Vec<Recording> = inputs
         .iter()
@@ -163,9 +167,9 @@ fn write_tables(
         Kind::Object => (&labels.objects, &separation.objects),
         Kind::Striker => (&labels.strikers, &separation.strikers),
     };
-    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+    let paths = tables::written(&arguments.output, kind, names);
     let mut reports = Vec::with_capacity(names.len());
-    for (index, (name, modes)) in names.iter().zip(parts).enumerate() {
+    for (index, ((name, modes), path)) in names.iter().zip(parts).zip(paths).enumerate() {
         let place = usize::from(kind == Kind::Striker);
         let own = labels.of_recording.iter().zip(&separation.stems).filter(|(label, _)| label[place] == index);
         let times_s: Vec<f64> = own.clone().filter_map(|(_, stems)| loudest(&stems.blows)).collect();
@@ -176,13 +180,6 @@ fn write_tables(
         };
         let contact_time_s = ::fit::score::quantile(&times_s, 0.5).clamp(1e-4, 0.02);
         let table = tables::of_part(kind, modes, contact_time_s, &provenance);
-        // Two names may differ in characters only that a file's name cannot have.
-        let stem: String =
-            name.chars().map(|c| if c.is_alphanumeric() || "-_ .".contains(c) { c } else { '-' }).collect();
-        let count = taken.entry(stem.to_lowercase()).or_default();
-        *count += 1;
-        let number = if *count > 1 { format!("-{count}") } else { String::new() };
-        let path = arguments.output.join(format!("{stem}{number}-{}.toml", kind.name()));
         ::kit::file::write_whole(&path, ::kit::text::write(&table).as_bytes())?;
         let ringing: Vec<RingingMode> = modes.iter().map(PartMode::ringing).collect();
         reports.push(PartReport {
