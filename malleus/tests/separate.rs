@@ -121,6 +121,11 @@ fn wrong_labels_and_files_are_refused_and_nothing_is_written() {
         (LABELS, "t0s0.wav t0s1.wav t1s0.wav", "line 5 names \"t1s1\", which is none of the recordings given"),
         (one_pair, "t0s0.wav t0s1.wav", "t0s1.wav: it has no label"),
         (one_pair, "t0s0.wav", "one thing and one striker"),
+        (
+            "recording,object,striker\nt0s0,mug,fork\nt1s1,bowl,spoon\n",
+            "t0s0.wav t1s1.wav",
+            "every thing is struck by one striker alone",
+        ),
         (&format!("{one_pair}noise,bowl,fork\n"), "t0s0.wav noise.wav", "noise.wav: not audio"),
         (&format!("{one_pair}gone,bowl,fork\n"), "t0s0.wav gone.wav", "gone.wav: the file cannot be read"),
         (LABELS, &format!("{ALL} --object cup=labels.csv"), "--object \"cup\": no recording has this object"),
@@ -148,4 +153,23 @@ fn known_table_that_would_be_written_over_is_refused_and_kept() {
     }
     assert_eq!(std::fs::read(&known).expect("a table"), before);
     assert_eq!(std::fs::read_dir(folder.path().join("out")).expect("a folder").count(), 1);
+}
+
+#[test]
+fn clipped_recording_is_named_with_the_times_of_its_clipped_blows() {
+    let folder = recorded();
+    let path = folder.path().join("t1s0.wav");
+    let mut reader = hound::WavReader::open(&path).expect("a recording");
+    let spec = reader.spec();
+    let samples: Vec<i32> = reader.samples().map(|x| x.expect("a sample")).collect();
+    let limit = samples.iter().fold(0, |most, x| x.abs().max(most)) / 4;
+    let mut writer = hound::WavWriter::create(&path, spec).expect("a file");
+    samples.iter().for_each(|x| writer.write_sample((*x).clamp(-limit, limit)).expect("a sample"));
+    writer.finalize().expect("a whole file");
+    let done = separate(folder.path(), LABELS, &format!("{ALL} -o out"));
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let lines: Vec<&str> = said.lines().collect();
+    let noted: Vec<usize> = (0..lines.len()).filter(|&line| lines[line].contains("clipped blows")).collect();
+    assert!(noted.len() == 1 && lines[noted[0] - 1].starts_with("t1s0.wav"), "{said}");
 }

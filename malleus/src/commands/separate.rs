@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
         .zip(separation.stems.iter().zip(&labels.of_recording))
         .map(|(((input, recording), stems), (separated, &[object, striker]))| Row {
             input,
-            notes: recording.notes.iter().map(ToString::to_string).collect(),
+            notes: notes(recording, &separated.blows),
             stems,
             left_db: separated.left_db,
             blows: &separated.blows,
@@ -99,6 +99,17 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
         })
         .collect();
     if arguments.json { print_json(&rows) } else { print(&as_text(&rows, &objects, &strikers)) }
+}
+
+/// Notes on how a recording was read, and on blows that are clipped.
+fn notes(recording: &Recording, blows: &[Blow]) -> Vec<String> {
+    let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
+    let clipped = separate::clipped_at_s(&recording.samples, recording.rate_hz, blows);
+    if !clipped.is_empty() {
+        let times: Vec<String> = clipped.iter().map(|at_s| format!("{at_s:.3}")).collect();
+        notes.push(format!("clipped blows, whose parts are uncertain: {} s", times.join(", ")));
+    }
+    notes
 }
 
 fn stem_files(folder: &Path, name: &str) -> StemFiles {
@@ -136,7 +147,9 @@ fn separated(
 fn in_words(error: &SeparateError, inputs: &[PathBuf]) -> String {
     let clip = match error {
         SeparateError::Rates { clip, .. } | SeparateError::NoBlow { clip } => inputs.get(*clip),
-        SeparateError::OnePair | SeparateError::Nothing | SeparateError::Unsolved => None,
+        SeparateError::OnePair | SeparateError::DisjointPairs | SeparateError::Nothing | SeparateError::Unsolved => {
+            None
+        }
     };
     clip.map_or_else(|| error.to_string(), |path| format!("{}: {error}", path.display()))
 }
@@ -202,6 +215,7 @@ fn as_text(rows: &[Row<'_>], objects: &[PartReport], strikers: &[PartReport]) ->
     for row in rows {
         let name = row.input.file_name().unwrap_or_default().to_string_lossy();
         text += &format!("{name:40} {:20} {:20} {:>8.2}\n", row.object.name, row.striker.name, row.left_db);
+        row.notes.iter().for_each(|note| text += &format!("  {note}\n"));
     }
     text += &format!("\n{:20} {:>5}  {:22} Young's modulus, GPa\n", "object or striker", "modes", "material, a guess");
     for part in objects.iter().chain(strikers) {
