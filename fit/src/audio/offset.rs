@@ -77,7 +77,7 @@ mod tests {
         for seed in 1..4 {
             assert_eq!(offset(&plain(seed, 3.0, 5, -60.0).samples, 0.0), 0.0);
         }
-        let hum: Vec<f64> = (0..88_200).map(|n| 0.01 * (n as f64 * 50.3 / 7_000.0).sin()).collect();
+        let hum: Vec<f64> = (0..88_200).map(|n| 0.01 * (f64::from(n) * 50.3 / 7_000.0).sin()).collect();
         assert_eq!((offset(&hum, 0.0), offset(&[0.0; 9_000], 0.0), offset(&[0.5; 5], 0.0)), (0.0, 0.0, 0.0));
         assert_eq!(offset(&[0.5; 9_000], 0.0), 0.5);
     }

@@ -49,7 +49,8 @@ pub(crate) fn rises(samples: &[f64], rate_hz: f64) -> Vec<usize> {
 /// silence and for recordings shorter than a frame.
 ///
 /// White noise of that power is as loud as the median band of the ear in the quietest twentieth of
-/// the frames. It stands 6 dB too low, because narrow bands scatter. Digital silence does not count.
+/// the frames. The power is 6 dB too low, because narrow bands scatter. Digital silence does not
+/// count.
 pub(super) fn quietest_db(samples: &[f64], rate_hz: f64) -> Option<f64> {
     let size = ((FRAME_S * rate_hz) as usize).next_power_of_two();
     let bands = bands(rate_hz, size);
