@@ -1,6 +1,7 @@
 //! Command line of the program: commands, options, and the checks of their values.
 
 mod motion;
+mod separate;
 mod shape;
 mod study;
 mod surface;
@@ -14,6 +15,7 @@ use fit::material::solid::Solid;
 use virtual_board::Board;
 
 pub(crate) use self::motion::{MotionCommand, MotionFileArguments};
+pub(crate) use self::separate::SeparateArguments;
 pub(crate) use self::shape::ShapeArguments;
 pub(crate) use self::study::StudyCommand;
 pub(crate) use self::surface::SurfaceArguments;
@@ -197,7 +199,7 @@ pub(crate) struct FitArguments {
     pub(crate) events: Option<PathBuf>,
     /// Number of gains of each mode along the object, for strikes at different positions: about
     /// three for each half wave of the highest mode, at least 4; 1 for one place
-    #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = parse_positions)]
     pub(crate) positions: u8,
     /// Number of strikers that strike, told apart by their contact times and own modes
     #[arg(long, value_name = "N", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -223,42 +225,6 @@ pub(crate) struct FitArguments {
     /// Fit again the recordings whose results exist and are newer than they are
     #[arg(long)]
     pub(crate) redo: bool,
-    /// Print a machine-readable report on stdout (docs/json.md)
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Arguments of `malleus separate`.
-#[derive(Debug, Args)]
-pub(crate) struct SeparateArguments {
-    /// Recordings: WAV, FLAC, AIFF, Ogg Vorbis, MP3, AAC, ALAC or CAF
-    #[arg(required = true, value_name = "RECORDING")]
-    pub(crate) input: Vec<PathBuf>,
-    /// Who strikes what: CSV in UTF-8 with the columns recording,object,striker, one line a
-    /// recording, named by its path or by its file's name
-    #[arg(long, value_name = "LABELS.csv")]
-    pub(crate) labels: PathBuf,
-    /// Folder for the stems NAME-object.wav, NAME-striker.wav and NAME-rest.wav and the tables; it
-    /// is made if it does not exist
-    #[arg(short, long, value_name = "DIR")]
-    pub(crate) output: PathBuf,
-    /// Known table of a thing, whose modes are kept; without NAME it is that of the thing called
-    /// like the file
-    #[arg(long, value_name = "[NAME=]TABLE.toml")]
-    pub(crate) object: Vec<String>,
-    /// Known table of a striker, whose modes are kept; without NAME it is that of the striker
-    /// called like the file
-    #[arg(long, value_name = "[NAME=]TABLE.toml")]
-    pub(crate) striker: Vec<String>,
-    /// Maximum number of modes of each thing and of each striker
-    #[arg(long, value_name = "N", default_value = "40", value_parser = parse_modes)]
-    pub(crate) modes: usize,
-    /// Materials to choose from [default: all that are known]
-    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
-    pub(crate) materials: Vec<String>,
-    /// Licence of the recordings, kept in the tables
-    #[arg(long, value_name = "TEXT", default_value = "")]
-    pub(crate) licence: String,
     /// Print a machine-readable report on stdout (docs/json.md)
     #[arg(long)]
     pub(crate) json: bool,
@@ -356,6 +322,11 @@ fn parse_ceiling(text: &str) -> Result<f32, String> {
 fn parse_modes(text: &str) -> Result<usize, String> {
     let modes = text.parse().ok().filter(|modes| (1..=1025).contains(modes));
     modes.ok_or("must be from 1 to 1025 modes".to_owned())
+}
+
+fn parse_positions(text: &str) -> Result<u8, String> {
+    let positions = text.parse().ok().filter(|positions| *positions == 1 || (4..=16).contains(positions));
+    positions.ok_or("must be from 4 to 16 gains along the object, or 1 for one place".to_owned())
 }
 
 fn parse_cycles(text: &str) -> Result<f64, String> {

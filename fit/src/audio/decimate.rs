@@ -7,12 +7,12 @@ const HALF_LENGTH: usize = 32;
 /// Shape parameter β of the Kaiser window, for 100 dB.
 const BETA: f64 = 10.0;
 
-/// Every `factor`-th sample of the low-passed sound, without delay.
+/// Every `factor`-th sample of the low-passed sound less its offset, without delay.
 ///
 /// The pass band ends at 0.9 of the new Nyquist frequency; images lie 100 dB down.
-pub(super) fn decimate(samples: &[f32], factor: usize) -> Vec<f64> {
+pub(super) fn decimate(samples: &[f32], offset: f64, factor: usize) -> Vec<f64> {
     if factor <= 1 {
-        return samples.iter().map(|&x| f64::from(x)).collect();
+        return samples.iter().map(|&x| f64::from(x) - offset).collect();
     }
     let half = (HALF_LENGTH * factor) as i64;
     let cutoff = 0.95 / factor as f64;
@@ -31,7 +31,7 @@ pub(super) fn decimate(samples: &[f32], factor: usize) -> Vec<f64> {
             taps[skip.min(taps.len())..]
                 .iter()
                 .zip(&samples[from.min(samples.len())..])
-                .map(|(h, x)| h * f64::from(*x))
+                .map(|(h, x)| h * (f64::from(*x) - offset))
                 .sum()
         })
         .collect()

@@ -11,6 +11,7 @@ use symphonia::core::io::MediaSourceStream;
 use symphonia::core::meta::MetadataOptions;
 
 use super::decimate::decimate;
+use super::offset::constant_offset;
 use super::recording::{Note, Recording};
 use crate::error::FitError;
 
@@ -32,7 +33,8 @@ struct Decoded {
 /// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
 /// named.
 ///
-/// The force channel is never taken for the loudest. Of a file of more than 120 s the beginning is
+/// The force channel is never taken for the loudest. A constant offset is taken off each channel if
+/// it is noticeable, and a note says so. Of a file of more than 120 s the beginning is
 /// read, and a note says so.
 ///
 /// # Errors
@@ -58,7 +60,10 @@ pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> 
         return Err(FitError::Channel { path: path.to_owned(), channel, channels });
     }
     let of = |channel: usize| interleaved.iter().copied().skip(channel).step_by(channels);
-    let energy = |channel: usize| of(channel).map(|x| f64::from(x).powi(2)).sum::<f64>();
+    let offset_of =
+        |channel| constant_offset(of(channel).map(f64::from), interleaved.len() / channels, f64::from(rate_hz));
+    let offsets: Vec<f64> = (0..channels).map(offset_of).collect();
+    let energy = |channel: usize| of(channel).map(|x| (f64::from(x) - offsets[channel]).powi(2)).sum::<f64>();
     let taken = (0..channels)
         .filter(|channel| Some(*channel) != force_channel)
         .map(|channel| (channel, energy(channel)))
@@ -68,13 +73,22 @@ pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> 
     if channels > 1 + usize::from(force_channel.is_some()) {
         notes.push(Note::Channel { taken, channels });
     }
+    let has_offset = |channel: &usize| offsets[*channel] != 0.0;
+    let used = [Some(taken), force_channel].into_iter().flatten().filter(has_offset);
+    notes.extend(used.map(|channel| Note::Offset { channel, offset: offsets[channel] }));
     let factor = rate_hz.div_ceil(HIGHEST_RATE_HZ) as usize;
     let new_rate_hz = f64::from(rate_hz) / factor as f64;
     if factor > 1 {
         notes.push(Note::Decimated { from_hz: f64::from(rate_hz), to_hz: new_rate_hz });
     }
-    let channel = |index| decimate(&of(index).collect::<Vec<f32>>(), factor);
-    Ok(Recording { samples: channel(taken), force: force_channel.map(channel), rate_hz: new_rate_hz, notes })
+    let channel = |index| decimate(&of(index).collect::<Vec<f32>>(), offsets[index], factor);
+    Ok(Recording {
+        samples: channel(taken),
+        offset: offsets[taken],
+        force: force_channel.map(channel),
+        rate_hz: new_rate_hz,
+        notes,
+    })
 }
 
 fn decode(path: &Path, longest_s: f64) -> Result<Decoded, FitError> {

@@ -5,6 +5,7 @@
 
 mod decimate;
 mod decode;
+mod offset;
 mod recording;
 
 pub use decode::{read, read_up_to};

@@ -7,6 +7,9 @@ use std::fmt;
 pub struct Recording {
     /// Samples of the microphone, full scale 1.
     pub samples: Vec<f64>,
+    /// Constant offset that was taken off the microphone's samples, full scale 1; 0 if there was
+    /// none that is noticeable.
+    pub offset: f64,
     /// Samples of the measured force, full scale 1; `None` without a force channel.
     pub force: Option<Vec<f64>>,
     /// Sample rate in Hz.
@@ -24,6 +27,13 @@ pub enum Note {
         taken: usize,
         /// Number of channels.
         channels: usize,
+    },
+    /// A constant offset was taken off a channel.
+    Offset {
+        /// Index of the channel, from 0.
+        channel: usize,
+        /// The offset, full scale 1.
+        offset: f64,
     },
     /// The recording was decimated because its rate was too high.
     Decimated {
@@ -66,6 +76,9 @@ impl fmt::Display for Note {
         match self {
             Self::Channel { taken, channels } => {
                 write!(f, "channel {taken} of {channels} is used, the loudest: a mix of microphones would have notches")
+            }
+            Self::Offset { channel, offset } => {
+                write!(f, "channel {channel} has a constant offset of {offset:.2e} of full scale, which is taken off")
             }
             Self::Decimated { from_hz, to_hz } => write!(f, "decimated from {from_hz} Hz to {to_hz} Hz"),
             Self::Truncated { seconds } => write!(f, "only the first {seconds} s were read"),

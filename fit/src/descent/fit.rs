@@ -1,5 +1,7 @@
 //! The descent: from random numbers to modes and strikes.
 
+use dsp_core::table::range::FREQUENCY_HZ;
+
 use super::adam::Adam;
 use super::error::DescentError;
 use super::force::Pulse;
@@ -69,7 +71,8 @@ impl<'a> Descent<'a> {
 /// Full scale of `samples` is 1; the recording lasts 0.2 to 20 s. The estimate has no standard
 /// deviations: they are NaN, which JSON writes as `null`. Contact times are those of Gaussians
 /// (eq. 2), and onsets those of the contacts that these smooth. Modes 50 dB below the loudest and
-/// pulses 40 dB below the strongest are left out. The residual is the recording without the sound
+/// pulses 40 dB below the strongest are left out, and so are modes whose frequency no table holds:
+/// the range of the lowest one reaches below 0 Hz. The residual is the recording without the sound
 /// of strikes and room. It may be as loud as the recording, because modes have no phases.
 /// A step takes about 35 ms for each second of sound, with 64 modes (docs/multi-strike.md has the
 /// accuracy). `told` gets the share of the work that is done, from 0 to 1.
@@ -131,10 +134,11 @@ fn numbers(
     let residual: Vec<f64> = samples.iter().zip(&rendered.sound).map(|(x, sound)| x - unit * sound).collect();
     let energy = |mode: &super::modes::ScaledMode| mode.gain * mode.gain / mode.decay_per_s.0;
     let loudest = rendered.modes.iter().map(energy).fold(0.0, f64::max);
+    let is_held = |hz: f64| FREQUENCY_HZ.holds(hz as f32);
     let mut modes: Vec<ModeEstimate> = rendered
         .modes
         .iter()
-        .filter(|mode| energy(mode) >= LEAST_MODE * loudest)
+        .filter(|mode| energy(mode) >= LEAST_MODE * loudest && is_held(mode.frequency_hz.0))
         .map(|mode| ModeEstimate {
             frequency_hz: mode.frequency_hz.0,
             frequency_hz_sd: f64::NAN,
@@ -146,6 +150,9 @@ fn numbers(
             striker: None,
         })
         .collect();
+    if modes.is_empty() {
+        return Err(DescentError::Lost);
+    }
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     let mut pulses: Vec<Pulse> =
         rendered.pulses.iter().filter(|pulse| pulse.magnitude >= LEAST_STRIKE * strongest).copied().collect();
@@ -209,6 +216,23 @@ mod tests {
         assert!(late_s < 0.01, "{late_s} s");
         assert!(estimate.strikes.iter().all(|strike| strike.left_db.abs() < 60.0));
         assert!(estimate.modes.iter().all(|mode| mode.frequency_hz_sd.is_nan() && mode.gain[0] > 0.0));
+    }
+
+    #[test]
+    fn modes_whose_frequency_no_table_holds_are_left_out() {
+        let sound = plain(3, 0.5, 2, -60.0);
+        let settings = Settings { modes: 16, steps: 1, rates: vec![0.03], seed: 2 };
+        let loss = Loss::new(&sound.samples);
+        let mut descent = Descent::new(&settings, 0, (sound.samples.len(), sound.rate_hz), &loss);
+        let [frequencies, dampings] = [Kind::Frequency, Kind::Damping].map(|kind| descent.model.places.of(kind));
+        let gains = descent.model.places.of(Kind::Gain);
+        descent.parameters[frequencies].fill(-5.0);
+        descent.parameters[dampings].fill(0.0);
+        descent.parameters[gains].fill(0.0);
+        let estimate = descent.estimate(&sound.samples, 1.0, sound.rate_hz).expect("all but one are held");
+        // The lowest of 16 ranges begins at -7 Hz.
+        assert_eq!(estimate.modes.len(), 15);
+        assert!(estimate.modes.iter().all(|mode| mode.frequency_hz >= 0.1), "{}", estimate.modes[0].frequency_hz);
     }
 
     #[test]

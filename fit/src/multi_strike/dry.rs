@@ -30,6 +30,7 @@ pub(super) fn dry(
     told: &dyn Fn(f64),
 ) -> Result<(Fitted, Whitening), StrikesError> {
     let (free, all) = between_strikes(samples, rate_hz, from, settings, &|share| told(0.3 * share))?;
+    StrikesError::refuse_few_for(layout, all.len())?;
     let usable = usable(samples, &all, rate_hz);
     let first = begun(samples, &free, (&all, &usable), rate_hz, layout, &|share| told(0.3 + 0.3 * share))?;
     if usable.len() == all.len() {

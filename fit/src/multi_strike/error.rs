@@ -1,7 +1,11 @@
 //! Reasons for which strikes are not fitted together.
 
+use super::layout::Layout;
+
 /// Least number of strikes that are fitted together.
 pub(crate) const LEAST_STRIKES: usize = 2;
+/// Least number of strikes of each striker.
+const LEAST_OF_STRIKER: usize = 2;
 /// Number of rises of the sound from which on too few strikes are not for want of strikes.
 const MANY_RISES: usize = 5;
 /// Maximum number of strikes a second, in the mean of a recording.
@@ -23,6 +27,20 @@ pub enum StrikesError {
     TooFew {
         /// Number of strikes that are heard.
         found: usize,
+    },
+    /// There are too few strikes for the layout that was asked for.
+    #[error(
+        "{found} strikes are heard, and --positions {positions} with --strikers {strikers} needs at least {needed}: give a recording with more strikes, or smaller numbers"
+    )]
+    TooFewForLayout {
+        /// Number of strikes that are heard.
+        found: usize,
+        /// Least number of strikes that tell the layout.
+        needed: usize,
+        /// Number of positions that was asked for.
+        positions: usize,
+        /// Number of strikers that was asked for.
+        strikers: usize,
     },
     /// There are more strikes than can be told apart.
     #[error(
@@ -70,6 +88,17 @@ impl StrikesError {
             _ if rises > MANY_RISES => Err(Self::Unclear { found, rises }),
             _ => Err(Self::TooFew { found }),
         }
+    }
+
+    /// Refuses fewer strikes than tell the gains along the object and the law of each striker.
+    ///
+    /// As many strikes as positions have gains that fit any positions of theirs. A striker's
+    /// contact time and its exponent are told by two strikes.
+    pub(super) fn refuse_few_for(layout: Layout, found: usize) -> Result<(), Self> {
+        let Layout { positions, strikers } = layout;
+        let for_positions = if positions > 1 { positions + 1 } else { LEAST_STRIKES };
+        let needed = for_positions.max(LEAST_OF_STRIKER * strikers);
+        if found >= needed { Ok(()) } else { Err(Self::TooFewForLayout { found, needed, positions, strikers }) }
     }
 
     /// Refuses more strikes in a time than can be told apart.

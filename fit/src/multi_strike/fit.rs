@@ -73,6 +73,7 @@ pub(crate) fn fit(
     let Thing { mut fitted, whitening, dry: sound, room } = found;
     let samples = &*sound;
     StrikesError::refuse_few(fitted.model.strikes.len(), rising)?;
+    StrikesError::refuse_few_for(layout, fitted.model.strikes.len())?;
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted = descend(fitted, samples, &whitening, Ending::FINE);
     told(0.9);
@@ -186,6 +187,17 @@ mod tests {
         let (one, two) = (on(1).expect("strikes are told"), on(2).expect("strikes are told"));
         assert_eq!(one.fitted.model, two.fitted.model);
         assert_eq!(one.fitted.energy.to_bits(), two.fitted.energy.to_bits());
+    }
+
+    #[test]
+    fn positions_and_strikers_that_so_few_strikes_cannot_tell_are_refused_by_name() {
+        let sound = plain(8, 1.5, 3, -60.0);
+        for (positions, strikers, needed) in [(16, 1, 17), (4, 2, 5), (1, 2, 4), (1, 4, 8)] {
+            let layout = Layout { positions, strikers };
+            let refused = fit(&sound.samples, sound.rate_hz, Settings::default(), layout, &|_| {}).err();
+            let expected = StrikesError::TooFewForLayout { found: 3, needed, positions, strikers };
+            assert_eq!(refused, Some(expected));
+        }
     }
 
     #[test]

@@ -127,3 +127,11 @@ fn strikes_at_8820_hz_are_found_with_their_modes() {
     heard.for_each(|mode| (all, told) = (all + 1, told + usize::from(near(mode.frequency_hz))));
     assert!(told + 1 >= all, "{told} of {all} modes");
 }
+
+#[test]
+fn strikes_without_any_noise_are_found_whole_and_leave_next_to_nothing() {
+    let sound = plain(8, 3.0, 5, -200.0);
+    let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
+    assert_eq!((found(&sound, &fit), fit.modes.len() <= sound.modes.len()), ((5, 5), true));
+    assert!(fit.left_dbfs < -95.0, "{} dBFS are left", fit.left_dbfs);
+}

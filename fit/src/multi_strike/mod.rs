@@ -15,6 +15,7 @@
 //! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
 //! one fits many strikes.
 
+mod added_noise;
 mod alignment;
 mod amplitudes;
 mod arrow;

@@ -14,6 +14,8 @@ const LOWEST_HZ: f64 = 120.0;
 const FLOOR_SHARE: f64 = 0.05;
 /// Level in dB over the floor below which a band counts as silent.
 const OVER_FLOOR_DB: f64 = 8.0;
+/// Power that a band has at least, so that silence has a level.
+const LEAST_POWER: f64 = 1e-14;
 /// Largest rise of a band that counts, in dB.
 const MOST_RISE_DB: f64 = 20.0;
 /// Least mean rise of all bands in a strike, in dB.
@@ -28,7 +30,9 @@ const APART_S: f64 = 0.03;
 pub(crate) fn rises(samples: &[f64], rate_hz: f64) -> Vec<usize> {
     let size = ((FRAME_S * rate_hz) as usize).next_power_of_two();
     let hop = size / HOPS;
-    let levels = levels_db(samples, rate_hz, size, hop);
+    let bands = bands(rate_hz, size);
+    let mut levels = levels_db(samples, &bands, size, hop);
+    raise_to_floor(&mut levels, bands.len());
     let novelty: Vec<f64> = (0..levels.len()).map(|frame| rise_db(&levels, frame)).collect();
     let apart = ((APART_S * rate_hz) as usize / hop).max(1);
     let is_peak = |frame: &usize| {
@@ -41,12 +45,41 @@ pub(crate) fn rises(samples: &[f64], rate_hz: f64) -> Vec<usize> {
     (0..novelty.len()).filter(is_peak).map(|frame| (frame * hop + hop / 2).min(samples.len())).collect()
 }
 
+/// Power of a recording's noise in dB of full scale, as its quietest frames tell it; `None` for
+/// silence and for recordings shorter than a frame.
+///
+/// White noise of that power is as loud as the median band of the ear in the quietest twentieth of
+/// the frames. The power is 6 dB too low, because narrow bands scatter. Digital silence does not
+/// count.
+pub(super) fn quietest_db(samples: &[f64], rate_hz: f64) -> Option<f64> {
+    let size = ((FRAME_S * rate_hz) as usize).next_power_of_two();
+    let bands = bands(rate_hz, size);
+    let mut levels = levels_db(samples, &bands, size, size / HOPS);
+    let silent_db = 10.0 * LEAST_POWER.log10();
+    levels.retain(|frame| frame.iter().any(|level| *level > silent_db));
+    // Energy of the window, whose samples are 1 - cos.
+    let window = 1.5 * size as f64;
+    let quiet = |(index, band): (usize, &std::ops::Range<usize>)| {
+        let share = window * band.len() as f64;
+        quietest(&levels, index).map(|level| level - 10.0 * share.log10())
+    };
+    let mut quiet = bands.iter().enumerate().map(quiet).collect::<Option<Vec<f64>>>()?;
+    quiet.sort_by(f64::total_cmp);
+    quiet.get(quiet.len() / 2).copied()
+}
+
+/// Level of a band that a twentieth of the frames does not reach.
+fn quietest(levels: &[Vec<f64>], band: usize) -> Option<f64> {
+    let mut sorted: Vec<f64> = levels.iter().map(|frame| frame[band]).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get((FLOOR_SHARE * sorted.len() as f64) as usize).copied()
+}
+
 /// Levels in dB of all bands, frame by frame; silence precedes the first frame.
-fn levels_db(samples: &[f64], rate_hz: f64, size: usize, hop: usize) -> Vec<Vec<f64>> {
+fn levels_db(samples: &[f64], bands: &[std::ops::Range<usize>], size: usize, hop: usize) -> Vec<Vec<f64>> {
     let transform = fourier::forward(size);
     let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
     let window: Vec<f64> = (0..size).map(|n| 1.0 - (TAU * (n as f64 + 0.5) / size as f64).cos()).collect();
-    let bands = bands(rate_hz, size);
     let mut levels = Vec::with_capacity(samples.len() / hop);
     for start in (0..samples.len().saturating_sub(size)).step_by(hop) {
         for ((slot, x), weight) in input.iter_mut().zip(&samples[start..start + size]).zip(&window) {
@@ -56,16 +89,17 @@ fn levels_db(samples: &[f64], rate_hz: f64, size: usize, hop: usize) -> Vec<Vec<
             break;
         }
         let power = |band: &std::ops::Range<usize>| output[band.clone()].iter().map(|bin| bin.norm_sqr()).sum::<f64>();
-        levels.push(bands.iter().map(|band| 10.0 * (power(band) + 1e-14).log10()).collect::<Vec<f64>>());
-    }
-    for band in 0..bands.len() {
-        let mut sorted: Vec<f64> = levels.iter().map(|frame| frame[band]).collect();
-        sorted.sort_by(f64::total_cmp);
-        let place = (FLOOR_SHARE * sorted.len() as f64) as usize;
-        let Some(floor) = sorted.get(place).map(|level| level + OVER_FLOOR_DB) else { continue };
-        levels.iter_mut().for_each(|frame| frame[band] = frame[band].max(floor));
+        levels.push(bands.iter().map(|band| 10.0 * (power(band) + LEAST_POWER).log10()).collect::<Vec<f64>>());
     }
     levels
+}
+
+/// Raises levels to 8 dB over each band's noise floor, so that noise does not rise.
+fn raise_to_floor(levels: &mut [Vec<f64>], bands: usize) {
+    for band in 0..bands {
+        let Some(floor) = quietest(levels, band).map(|level| level + OVER_FLOOR_DB) else { continue };
+        levels.iter_mut().for_each(|frame| frame[band] = frame[band].max(floor));
+    }
 }
 
 /// Bins of bands as wide as the ear's, at least two bins each.

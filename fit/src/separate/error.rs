@@ -10,6 +10,12 @@ pub enum SeparateError {
         "all recordings are of one thing and one striker, so that nothing tells their modes apart: record one of them with another partner too, or give the table of one"
     )]
     OnePair,
+    /// Several pairs of thing and striker are recorded, no part with two partners, and none is
+    /// known.
+    #[error(
+        "every thing is struck by one striker alone, and every striker strikes one thing alone, so that nothing tells their modes apart: record one of them with another partner too, or give the table of one"
+    )]
+    DisjointPairs,
     /// A recording has another sample rate than the first.
     #[error("recording {clip} has {rate_hz} Hz, and the first one {first_hz} Hz: convert them to one rate")]
     Rates {

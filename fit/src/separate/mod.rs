@@ -26,7 +26,7 @@ use crate::modes::{Pole, Settings};
 pub use clip::Clip;
 pub use error::SeparateError;
 use parts::Parts;
-pub use separation::{Blow, PartMode, STEPS, Separation, Stems};
+pub use separation::{Blow, PartMode, STEPS, Separation, Stems, clipped_at_s};
 
 /// Frequency in Hz and decay in 1/s of each known mode of a part.
 pub type KnownModes = Vec<(f64, f64)>;
@@ -63,7 +63,7 @@ pub fn separate(
     let (owned, closed) = known_poles(&parts, known, rate_hz);
     let told_apart = |part: usize| closed[part] || parts.partners(part) > 1;
     if !(0..parts.count).filter(|&part| parts.partners(part) > 0).any(told_apart) {
-        return Err(SeparateError::OnePair);
+        return Err(if parts.count > 2 { SeparateError::DisjointPairs } else { SeparateError::OnePair });
     }
     let blows: Vec<Vec<usize>> = clips.par_iter().map(|clip| blows::blows(clip.samples, rate_hz)).collect();
     let mut stretches = Vec::new();
@@ -149,6 +149,14 @@ mod tests {
         let separation = separate(&clips, &known, Settings::default(), &|_| {}).expect("the thing is known");
         assert_eq!(separation.objects[0].len(), 1);
         assert!((separation.objects[0][0].frequency_hz - 440.0).abs() < 1e-9 && !separation.strikers[0].is_empty());
+    }
+
+    #[test]
+    fn pairs_that_share_neither_thing_nor_striker_are_refused_by_name() {
+        let set = set(6, 2, 2, 1);
+        let clips: Vec<Clip<'_>> = clips(&set).into_iter().filter(|clip| clip.object == clip.striker).collect();
+        let refused = separate(&clips, &Known::default(), Settings::default(), &|_| {}).err();
+        assert_eq!((clips.len(), refused), (2, Some(SeparateError::DisjointPairs)));
     }
 
     #[test]

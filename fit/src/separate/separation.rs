@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::material::RingingMode;
+use crate::multi_strike::is_clipped;
 
 /// Number of steps of which a separation reports how many are done.
 pub const STEPS: usize = 40;
@@ -37,6 +38,14 @@ pub struct Blow {
     pub contact_time_s: f64,
     /// Level in dB relative to the recording's loudest blow.
     pub level_db: f64,
+}
+
+/// Onsets in seconds of the blows at which a recording is clipped: it stands still at its largest
+/// value.
+pub fn clipped_at_s(samples: &[f64], rate_hz: f64, blows: &[Blow]) -> Vec<f64> {
+    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let is_clipped = |at_s: &f64| is_clipped(samples, (at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
+    blows.iter().map(|blow| blow.at_s).filter(is_clipped).collect()
 }
 
 /// The sounds of which a recording is the sum, and its blows.

@@ -5,6 +5,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use fit::FitError;
+use fit::modes::Settings;
+use fit::multi_strike::synthetic::plain;
+use fit::multi_strike::{Layout, estimate};
 use fit::recording::{Fitted, Options, fit_file};
 use fit::synthetic::of_these;
 use hound::{SampleFormat, WavSpec, WavWriter};
@@ -170,4 +173,39 @@ fn missing_hits_and_channels_are_refused_by_number() {
     assert!(matches!(fit_file(&path, &force), Err(FitError::Channel { channel: 3, channels: 1, .. })));
     let only_force = Options { force_channel: Some(0), ..Options::default() };
     assert!(matches!(fit_file(&path, &only_force), Err(FitError::NoMicrophone { .. })));
+}
+
+#[test]
+fn a_strike_with_a_constant_offset_has_the_modes_of_the_one_without_and_a_note() {
+    let folder = TempDir::new().expect("a folder");
+    let sound: Vec<f64> = strike(44_100.0, 0.3, 1.0).iter().zip(noise(44_100, -70.0)).map(|(x, y)| x + y).collect();
+    let plain = fit(&wave(&folder, "plain.wav", 44_100, std::slice::from_ref(&sound))).expect("a strike");
+    assert_eq!((plain.recording.offset, plain.report.notes.len()), (0.0, 0));
+    for offset in [0.02, -0.2] {
+        let raised: Vec<f64> = sound.iter().map(|x| x + offset).collect();
+        // The louder channel is not the one that stands higher.
+        let path = wave(&folder, "raised.wav", 44_100, &[vec![0.9; 44_100], raised]);
+        let fitted = fit(&path).expect("a strike");
+        has_three_modes(&fitted);
+        assert!(fitted.fit.modes.len().abs_diff(plain.fit.modes.len()) <= 1, "{} modes", fitted.fit.modes.len());
+        let is_named = fitted.report.notes.iter().any(|note| note.contains("channel 1 has a constant offset"));
+        assert!(is_named && (fitted.recording.offset - offset).abs() < 1e-4, "{:?}", fitted.report.notes);
+    }
+}
+
+#[test]
+fn many_strikes_with_a_constant_offset_leave_no_more_than_those_without() {
+    let folder = TempDir::new().expect("a folder");
+    let sound = plain(8, 3.0, 5, -60.0);
+    let estimate = |offset: f64| {
+        let raised = sound.samples.iter().map(|x| x + offset).collect();
+        let recording = fit::audio::read(&wave(&folder, "taps.wav", 44_100, &[raised]), None).expect("it is audio");
+        let told = estimate(&recording.samples, 44_100.0, Settings::default(), Layout::default(), |_| {});
+        told.expect("strikes are told")
+    };
+    let (plain, raised) = (estimate(0.0), estimate(0.05));
+    // Rounding to 16 bits differs, and the weakest mode may be told in one of both alone.
+    assert!(plain.modes.len().abs_diff(raised.modes.len()) <= 1, "{} {}", plain.modes.len(), raised.modes.len());
+    assert_eq!(plain.strikes.len(), raised.strikes.len());
+    assert!((plain.left_dbfs - raised.left_dbfs).abs() < 0.05, "{} {}", plain.left_dbfs, raised.left_dbfs);
 }

@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use ::fit::material::{self, Material};
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
+use ::kit::file::check_writable;
 use indicatif::ProgressBar;
 use malleus::report;
 use malleus::wave::write_mono;
@@ -18,7 +19,7 @@ use super::fit_filter::{self, FilterReport};
 use super::fit_job::{Job, with_file};
 use super::fit_names as names;
 use super::fit_strikes::{self, StrikesReport};
-use super::output::{print, print_json, progress, refuse_input};
+use super::output::{print, print_json, progress, refuse_input, refuse_same};
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// One input and the outcome of its fit, a row of the report.
@@ -63,9 +64,6 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     if arguments.estimator != EstimatorName::Descent && arguments.steps.is_some() {
         return Err(CommandError::StepsWithoutDescent);
     }
-    if let Some(events) = &arguments.events {
-        refuse_input(events, arguments.input.iter().map(PathBuf::as_path))?;
-    }
     if !one_file {
         make_folder(&arguments.output)?;
     }
@@ -81,6 +79,7 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
             name,
         })
         .collect();
+    check_outputs(arguments, &jobs, one_file)?;
     let steps = if arguments.events.is_some() { fit_strikes::STEPS } else { 1 };
     let bar = progress(steps * jobs.len() as u64, "fitting");
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build().map_err(CommandError::Workers)?;
@@ -121,10 +120,31 @@ fn make_folder(path: &Path) -> Result<(), CommandError> {
         .map_err(|cause| CommandError::File(::kit::file::FileError { action: "made", path: path.to_owned(), cause }))
 }
 
-fn fit_one(arguments: &FitArguments, job: &Job, bar: &ProgressBar) -> Outcome {
+/// Checks that all outputs are different files that the command does not read, and that those named
+/// one by one can be written.
+fn check_outputs(arguments: &FitArguments, jobs: &[Job], one_file: bool) -> Result<(), CommandError> {
+    let named = [one_file.then_some(&arguments.output), arguments.render.as_ref(), arguments.events.as_ref()];
+    let named = named.into_iter().flatten().map(PathBuf::as_path);
+    let in_folders = jobs.iter().flat_map(|job| [(!one_file).then_some(&job.table), job.page.as_ref()]);
+    let all: Vec<&Path> = named.clone().chain(in_folders.flatten().map(PathBuf::as_path)).collect();
+    refuse_same(&all)?;
+    all.iter().try_for_each(|path| refuse_input(path, arguments.input.iter().map(PathBuf::as_path)))?;
+    // What is done already is not written again.
+    if !jobs.iter().all(|job| is_done(arguments, job)) {
+        named.into_iter().try_for_each(check_writable)?;
+    }
+    Ok(())
+}
+
+/// True if all results of a recording exist, are no older than it, and are not to be made anew.
+fn is_done(arguments: &FitArguments, job: &Job) -> bool {
     let wanted =
         [Some(job.table.as_path()), arguments.render.as_deref(), arguments.events.as_deref(), job.page.as_deref()];
-    if !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input)) {
+    !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input))
+}
+
+fn fit_one(arguments: &FitArguments, job: &Job, bar: &ProgressBar) -> Outcome {
+    if is_done(arguments, job) {
         return Outcome::Skipped;
     }
     let outcome = match (arguments.dynamic_filter, &arguments.events) {

@@ -1,5 +1,6 @@
 //! Output that the commands share: progress on stderr, text and JSON on stdout.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -26,6 +27,19 @@ pub(super) fn refuse_input<'p>(output: &Path, inputs: impl IntoIterator<Item = &
     match inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|read| read == written)) {
         true => Err(CommandError::OutputIsInput { output: output.to_owned() }),
         false => Ok(()),
+    }
+}
+
+/// Refuses two outputs at one path.
+///
+/// # Errors
+/// [`CommandError::SameOutput`] with the first path that is named again.
+pub(super) fn refuse_same(outputs: &[&Path]) -> Result<(), CommandError> {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or(path.to_owned());
+    let mut seen = BTreeSet::new();
+    match outputs.iter().find(|path| !seen.insert(absolute(path))) {
+        Some(again) => Err(CommandError::SameOutput { output: again.to_path_buf() }),
+        None => Ok(()),
     }
 }
 

@@ -1,6 +1,5 @@
 //! `malleus separate`: recordings of strikers on things become the sounds of each.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -65,6 +64,11 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
     for path in files.iter().flat_map(|files| [&files.object, &files.striker, &files.rest]) {
         refuse_input(path, inputs.iter().map(PathBuf::as_path))?;
     }
+    let written = [(Kind::Object, &labels.objects), (Kind::Striker, &labels.strikers)];
+    for path in written.into_iter().flat_map(|(kind, names)| tables::written(&arguments.output, kind, names)) {
+        let known = arguments.object.iter().chain(&arguments.striker).map(|option| tables::path_of(option));
+        refuse_input(&path, known.chain([arguments.labels.as_path()]))?;
+    }
     let recordings: Vec<Recording> = inputs
         .iter()
         .map(|input| audio::read(input, None).map_err(|error| CommandError::Recording(with_file(input, error))))
@@ -86,7 +90,7 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
         .zip(separation.stems.iter().zip(&labels.of_recording))
         .map(|(((input, recording), stems), (separated, &[object, striker]))| Row {
             input,
-            notes: recording.notes.iter().map(ToString::to_string).collect(),
+            notes: notes(recording, &separated.blows),
             stems,
             left_db: separated.left_db,
             blows: &separated.blows,
@@ -95,6 +99,17 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
         })
         .collect();
     if arguments.json { print_json(&rows) } else { print(&as_text(&rows, &objects, &strikers)) }
+}
+
+/// Notes on how a recording was read, and on blows that are clipped.
+fn notes(recording: &Recording, blows: &[Blow]) -> Vec<String> {
+    let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
+    let clipped = separate::clipped_at_s(&recording.samples, recording.rate_hz, blows);
+    if !clipped.is_empty() {
+        let times: Vec<String> = clipped.iter().map(|at_s| format!("{at_s:.3}")).collect();
+        notes.push(format!("clipped blows, whose parts are uncertain: {} s", times.join(", ")));
+    }
+    notes
 }
 
 fn stem_files(folder: &Path, name: &str) -> StemFiles {
@@ -132,18 +147,22 @@ fn separated(
 fn in_words(error: &SeparateError, inputs: &[PathBuf]) -> String {
     let clip = match error {
         SeparateError::Rates { clip, .. } | SeparateError::NoBlow { clip } => inputs.get(*clip),
-        SeparateError::OnePair | SeparateError::Nothing | SeparateError::Unsolved => None,
+        SeparateError::OnePair | SeparateError::DisjointPairs | SeparateError::Nothing | SeparateError::Unsolved => {
+            None
+        }
     };
     clip.map_or_else(|| error.to_string(), |path| format!("{}: {error}", path.display()))
 }
 
 /// Writes the three stems, whose samples in 32-bit float add up to the recording's.
 ///
-/// The rest is what the rounded stems of thing and striker leave, so that rounding adds up once.
+/// The rest is what the rounded stems of thing and striker leave, so that rounding adds up once. A
+/// constant offset of the recording is in the rest.
 fn write_stems(stems: &Stems, recording: &Recording, files: &StemFiles) -> Result<(), CommandError> {
     let rounded = |samples: &[f64]| samples.iter().map(|x| f64::from(*x as f32)).collect::<Vec<f64>>();
     let (object, striker) = (rounded(&stems.object), rounded(&stems.striker));
-    let rest: Vec<f64> = recording.samples.iter().zip(&object).zip(&striker).map(|((x, a), b)| x - a - b).collect();
+    let recorded = recording.samples.iter().map(|x| x + recording.offset);
+    let rest: Vec<f64> = recorded.zip(&object).zip(&striker).map(|((x, a), b)| x - a - b).collect();
     for (path, samples) in [(&files.object, &object), (&files.striker, &striker), (&files.rest, &rest)] {
         write_mono(path, recording.rate_hz, samples)?;
     }
@@ -161,9 +180,9 @@ fn write_tables(
         Kind::Object => (&labels.objects, &separation.objects),
         Kind::Striker => (&labels.strikers, &separation.strikers),
     };
-    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+    let paths = tables::written(&arguments.output, kind, names);
     let mut reports = Vec::with_capacity(names.len());
-    for (index, (name, modes)) in names.iter().zip(parts).enumerate() {
+    for (index, ((name, modes), path)) in names.iter().zip(parts).zip(paths).enumerate() {
         let place = usize::from(kind == Kind::Striker);
         let own = labels.of_recording.iter().zip(&separation.stems).filter(|(label, _)| label[place] == index);
         let times_s: Vec<f64> = own.clone().filter_map(|(_, stems)| loudest(&stems.blows)).collect();
@@ -174,13 +193,6 @@ fn write_tables(
         };
         let contact_time_s = ::fit::score::quantile(&times_s, 0.5).clamp(1e-4, 0.02);
         let table = tables::of_part(kind, modes, contact_time_s, &provenance);
-        // Two names may differ in characters only that a file's name cannot have.
-        let stem: String =
-            name.chars().map(|c| if c.is_alphanumeric() || "-_ .".contains(c) { c } else { '-' }).collect();
-        let count = taken.entry(stem.to_lowercase()).or_default();
-        *count += 1;
-        let number = if *count > 1 { format!("-{count}") } else { String::new() };
-        let path = arguments.output.join(format!("{stem}{number}-{}.toml", kind.name()));
         ::kit::file::write_whole(&path, ::kit::text::write(&table).as_bytes())?;
         let ringing: Vec<RingingMode> = modes.iter().map(PartMode::ringing).collect();
         reports.push(PartReport {
@@ -203,6 +215,7 @@ fn as_text(rows: &[Row<'_>], objects: &[PartReport], strikers: &[PartReport]) ->
     for row in rows {
         let name = row.input.file_name().unwrap_or_default().to_string_lossy();
         text += &format!("{name:40} {:20} {:20} {:>8.2}\n", row.object.name, row.striker.name, row.left_db);
+        row.notes.iter().for_each(|note| text += &format!("  {note}\n"));
     }
     text += &format!("\n{:20} {:>5}  {:22} Young's modulus, GPa\n", "object or striker", "modes", "material, a guess");
     for part in objects.iter().chain(strikers) {

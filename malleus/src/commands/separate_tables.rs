@@ -1,5 +1,6 @@
 //! Tables of a separation: those that are known, and those that it writes.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use ::fit::segment::Hit;
@@ -47,8 +48,7 @@ pub(super) fn known(
 ) -> Result<Vec<Option<KnownModes>>, super::error::CommandError> {
     let mut known = vec![None; labels.len()];
     for option in options {
-        let (name, path) = option.split_once('=').map_or((None, option.as_str()), |(name, path)| (Some(name), path));
-        let path = Path::new(path);
+        let (name, path) = (option.split_once('=').map(|(name, _)| name), path_of(option));
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let ending = format!("-{}", kind.name());
         let name = name.map_or_else(|| stem.strip_suffix(&ending).unwrap_or(&stem).to_owned(), str::to_owned);
@@ -63,6 +63,26 @@ pub(super) fn known(
         }
     }
     Ok(known)
+}
+
+/// Path of the table that `--object` or `--striker` names.
+pub(super) fn path_of(option: &str) -> &Path {
+    Path::new(option.split_once('=').map_or(option, |(_, path)| path))
+}
+
+/// Paths of the tables that a separation writes into a folder, by the index of their label.
+pub(super) fn written(folder: &Path, kind: Kind, names: &[String]) -> Vec<PathBuf> {
+    let mut taken: BTreeMap<String, usize> = BTreeMap::new();
+    let path = |name: &String| {
+        // Two names may differ in characters only that a file's name cannot have.
+        let stem: String =
+            name.chars().map(|c| if c.is_alphanumeric() || "-_ .".contains(c) { c } else { '-' }).collect();
+        let count = taken.entry(stem.to_lowercase()).or_default();
+        *count += 1;
+        let number = if *count > 1 { format!("-{count}") } else { String::new() };
+        folder.join(format!("{stem}{number}-{}.toml", kind.name()))
+    };
+    names.iter().map(path).collect()
 }
 
 fn modes_of(kind: Kind, path: &Path) -> Result<KnownModes, super::error::CommandError> {

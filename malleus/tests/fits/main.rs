@@ -5,6 +5,7 @@
 mod cores;
 mod descent;
 mod dynamic_filter;
+mod outputs;
 mod page;
 mod prior;
 mod report;
