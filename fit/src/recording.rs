@@ -70,9 +70,9 @@ pub struct Report {
     pub strikes: Vec<StrikeReport>,
     /// Number of modes in the table.
     pub modes: usize,
-    /// Lowest and highest frequency of the modes in Hz.
+    /// Lowest and highest frequency of the modes in Hz; 0 without modes.
     pub frequency_hz: [f64; 2],
-    /// Shortest and longest T60 of the modes in seconds.
+    /// Shortest and longest T60 of the modes in seconds; 0 without modes.
     pub t60_s: [f64; 2],
     /// Guess at the object's material.
     pub material: Option<material::Guess>,
@@ -245,8 +245,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let hearing =
         if residual_bands.is_empty() && table.room.is_empty() { hearing_of_modes } else { judge.scores(&whole) };
     let range = |of: fn(&strike::Mode) -> f64| {
-        let values = fit.modes.iter().map(of);
-        [values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)]
+        let values = || fit.modes.iter().map(of);
+        [values().reduce(f64::min).unwrap_or(0.0), values().fold(0.0, f64::max)]
     };
     let sounding = sounding(&fit);
     let (material, young_modulus_pa) = material::guess(&material::ringing(&fit), &options.materials, options.solid);

@@ -29,16 +29,24 @@ pub(crate) fn reader(bytes: &[u8]) -> ::csv::Reader<&[u8]> {
 ///
 /// Text that lies in memory can only fail by its number of fields. Any other error would be that of
 /// a byte that is not text.
-pub(crate) fn of_reader(error: &::csv::Error) -> TextFault {
+pub(crate) fn of_reader(error: &::csv::Error, bytes: &[u8]) -> TextFault {
     let position = error.position();
     match error.kind() {
         ::csv::ErrorKind::UnequalLengths { expected_len, len, .. } => TextFault::FieldCount {
-            line: position.map_or(0, ::csv::Position::line),
+            line: position.map_or(0, |position| line_at(position, bytes)),
             found: *len,
             expected: *expected_len,
         },
         _ => TextFault::NotText { offset: position.map_or(0, |position| position.byte() as usize) },
     }
+}
+
+/// Line of the record at a position of the reader, counted from 1. The reader's own number is that
+/// of the first empty line or comment before the record.
+fn line_at(position: &::csv::Position, bytes: &[u8]) -> u64 {
+    let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
+    let is_skipped = |line: &&[u8]| line.is_empty() || *line == b"\r" || line.starts_with(b"#");
+    position.line() + rest.split(|&byte| byte == b'\n').take_while(is_skipped).count() as u64
 }
 
 /// Known columns of a file, and where its header has them.
@@ -86,8 +94,8 @@ pub(crate) struct Row<'a> {
 
 impl<'a> Row<'a> {
     /// The line that a record came from.
-    pub(crate) fn new(record: &'a ::csv::StringRecord, columns: &'a Columns<'a>) -> Self {
-        Self { line: record.position().map_or(0, ::csv::Position::line), columns, record }
+    pub(crate) fn new(record: &'a ::csv::StringRecord, columns: &'a Columns<'a>, bytes: &[u8]) -> Self {
+        Self { line: record.position().map_or(0, |position| line_at(position, bytes)), columns, record }
     }
 
     /// Text of a column; empty if the file does not have the column.
@@ -116,4 +124,20 @@ pub(crate) fn striker_named(kit: &Kit<'_>, pad: Pad<'_>, name: &str) -> Result<u
         let names: Vec<_> = kit.strikers_of(pad).map(|striker| striker.name()).collect();
         format!("unknown striker; pad {} has {}", pad.name(), names.join(", "))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_with_the_empty_ones_and_comments_before_them() {
+        let bytes = b"# a\r\n\r\na,b\n1,2\n# c\n\n#d\n3,4\n\n5,6";
+        let mut reader = reader(bytes);
+        let header = reader.headers().expect("a header").clone();
+        let columns = Columns::find(&header, &["a", "b"]).expect("both are known");
+        let records: Vec<_> = reader.records().map(|record| record.expect("two fields")).collect();
+        let lines: Vec<u64> = records.iter().map(|record| Row::new(record, &columns, bytes).line).collect();
+        assert_eq!(lines, [4, 8, 10]);
+    }
 }

@@ -256,11 +256,7 @@ impl<'m> Bank<'m> {
 
     /// Exponent of the words: inputs times two to this power add up to [`X_BITS`] bits.
     fn input_exponent(&self) -> i32 {
-        match self.input_bits.map_or(0, |bits| X_BITS - bits as i32) {
-            // The kernel shifts right by a multiplier of 2^(32 - bits), which an i32 must hold.
-            -1 => -2,
-            exponent => exponent,
-        }
+        self.input_bits.map_or(0, |bits| X_BITS - bits as i32)
     }
 
     /// Scales units for the level of their input, all or those that ask, and then the mix.

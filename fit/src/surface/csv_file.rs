@@ -69,7 +69,8 @@ fn of_positions(values: &[f64], lines: &[u64], path: &Path) -> Result<(Heights, 
     if missing_m > near_m {
         return Err(SurfaceError::Missing { percent: 100.0 * missing_m / (missing_m + near_m) });
     }
-    let step_m = near_m / near.len().max(1) as f64;
+    let whole_m = positions.last().unwrap_or(&1.0) - positions.first().unwrap_or(&0.0);
+    let step_m = if gaps.is_empty() { whole_m } else { near_m } / near.len().max(1) as f64;
     let is_even = |(index, x): (usize, &f64)| (x - positions[0] - index as f64 * step_m).abs() < EVEN * step_m;
     if positions.iter().enumerate().all(is_even) {
         return Ok((Heights { step_m, columns: heights.len(), values: heights }, Vec::new()));

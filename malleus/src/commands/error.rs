@@ -82,6 +82,10 @@ pub(crate) enum CommandError {
         "no table has a striker, so that nothing would strike its objects; give one that has, such as tables/strikers.toml"
     )]
     NoStriker,
+    #[error(
+        "--first-note {first_note}: MIDI notes end at 127, which is enough for {pads} pads, and the tables have more; give a lower first note, or fewer tables"
+    )]
+    NotesEnd { first_note: u8, pads: usize },
     #[error("{file}: cannot be read: {error}")]
     Unreadable { file: String, error: io::Error },
     #[error("the log cannot be written: {error}")]

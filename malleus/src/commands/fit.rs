@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     if arguments.json {
         print_json(&rows)?;
     } else {
-        print(&as_text(&rows))?;
+        print(&as_text(&rows, arguments.bar.or(arguments.disc).is_some()))?;
     }
     let failed = rows.iter().filter(|row| matches!(row.outcome, Outcome::Failed { .. })).count();
     if failed > 0 {
@@ -217,7 +217,23 @@ fn is_newer(result: &Path, source: &Path) -> bool {
     time(result).zip(time(source)).is_some_and(|(result, source)| result >= source)
 }
 
-fn as_text(rows: &[Row]) -> String {
+/// Row of a fitted recording, and what else there is to say of it.
+fn fitted_row(name: &str, report: &Report, has_solid: bool) -> String {
+    let [shortest_s, longest_s] = report.t60_s;
+    let t60 = if report.modes == 0 { "-".to_owned() } else { format!("{shortest_s:.3} to {longest_s:.2}") };
+    let (modes, strikes) = (report.modes, report.strikes.len());
+    let mut text =
+        format!("{name:32} {modes:>5} {:>7.2} {t60:>17} {strikes:>7} {:>7.1}\n", report.lsd_db, report.seconds);
+    report.notes.iter().for_each(|note| text += &format!("  {note}\n"));
+    if let (Some(modulus), true) = (&report.young_modulus_pa, has_solid) {
+        let [estimate, low, high] = [modulus.estimate, modulus.low, modulus.high].map(|pascals| 1e-9 * pascals);
+        text += &format!("  Young's modulus {estimate:.2} GPa, from {low:.2} to {high:.2} in nine of ten\n");
+    }
+    text
+}
+
+/// Rows of all recordings; `has_solid` if the size of the things is known.
+fn as_text(rows: &[Row], has_solid: bool) -> String {
     let has_filters = rows.iter().any(|row| matches!(row.outcome, Outcome::Filtered { .. }));
     let head = ["recording", "modes", "LSD dB", "T60 s", "strikes", "seconds"];
     let [name, modes, lsd, t60, strikes, seconds] = head;
@@ -226,14 +242,7 @@ fn as_text(rows: &[Row]) -> String {
     for row in rows {
         let name = row.input.file_name().unwrap_or_default().to_string_lossy();
         text += &match &row.outcome {
-            Outcome::Fitted { report } => format!(
-                "{name:32} {:>5} {:>7.2} {:>17} {:>7} {:>7.1}\n",
-                report.modes,
-                report.lsd_db,
-                format!("{:.3} to {:.2}", report.t60_s[0], report.t60_s[1]),
-                report.strikes.len(),
-                report.seconds
-            ),
+            Outcome::Fitted { report } => fitted_row(&name, report, has_solid),
             Outcome::Filtered { report } => format!(
                 "{name:32} {} modes, {} loops: decay within 15 % in {} of {} Bark bands, median error {:.0} %, {:.1} s\n",
                 report.modes,

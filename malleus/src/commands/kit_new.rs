@@ -50,23 +50,19 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
 /// Kit of all objects and strikers of the tables, with one pad per object at a level of 0 dB.
 fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, CommandError> {
     let name = output.file_stem().unwrap_or_default().to_string_lossy();
-    let mut kit = kit::Kit {
-        name: name.into_owned(),
-        objects: vec![],
-        strikers: vec![],
-        pads: vec![],
-        background: None,
-        room: vec![],
-        headphone_db: None,
-        surfaces: Vec::new(),
-    };
+    let mut kit = kit::Kit { name: kit::item_name(&name, ""), ..kit::Kit::default() };
     let mut notes = (first_note..=127).map(|note| vec![note]);
     for table in tables {
-        let loaded = open(&table.display().to_string())?;
+        let mut loaded = open(&table.display().to_string())?;
+        rename_clashes(&kit, &mut loaded.kit);
         let strikers = names(&loaded.kit.strikers);
         for object in &loaded.kit.objects {
-            kit.pads.push(pad(object, strikers.clone(), notes.next().unwrap_or_default()));
+            let Some(note) = notes.next() else {
+                return Err(CommandError::NotesEnd { first_note, pads: usize::from(128 - first_note) });
+            };
+            kit.pads.push(pad(object, strikers.clone(), note));
         }
+        loaded.kit.strikers.retain(|striker| !kit.strikers.contains(striker));
         // A table's room is that of its recording. A kit has one room, so that of several tables
         // none is taken.
         match tables.len() {
@@ -86,6 +82,23 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     let all = names(&kit.strikers);
     kit.pads.iter_mut().filter(|pad| pad.strikers.is_empty()).for_each(|pad| pad.strikers.clone_from(&all));
     Ok(kit)
+}
+
+/// Gives objects of a table, and strikers that are not the same as those of a kit, names that the
+/// kit does not have.
+fn rename_clashes(kit: &kit::Kit, table: &mut kit::Kit) {
+    let unused = |name: &str, is_used: &dyn Fn(&str) -> bool| {
+        let numbered = (2..).map(|number| kit::item_name(name, &format!(" {number}")));
+        std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_used(name)).unwrap_or_default()
+    };
+    for object in &mut table.objects {
+        object.name = unused(&object.name, &|name| kit.objects.iter().any(|other| other.name == name));
+    }
+    for striker in &mut table.strikers {
+        if !kit.strikers.contains(striker) {
+            striker.name = unused(&striker.name, &|name| kit.strikers.iter().any(|other| other.name == name));
+        }
+    }
 }
 
 /// Kit of one table, ready to be played: each object on a pad that peaks at -6 dBFS.

@@ -33,11 +33,11 @@ const ALL_BUT_FIRST: &str = "shed all but first";
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList, EventsFault> {
     csv_text::check_text(bytes)?;
     let mut reader = csv_text::reader(bytes);
-    let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error))?)?;
+    let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error, bytes))?)?;
     let (mut list, mut last) = (EventList::default(), None);
     for record in reader.records() {
-        let record = record.map_err(|error| csv_text::of_reader(&error))?;
-        let row = EventRow(Row::new(&record, &columns));
+        let record = record.map_err(|error| csv_text::of_reader(&error, bytes))?;
+        let row = EventRow(Row::new(&record, &columns, bytes));
         let event = row.event(kit, rate)?;
         if last.is_some_and(|last| last > event.time) {
             return Err(EventsFault::OutOfOrder { line: row.0.line });

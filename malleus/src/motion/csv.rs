@@ -35,11 +35,11 @@ const MOST_TIME_S: f64 = 1e6;
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<Motion, MotionFault> {
     csv_text::check_text(bytes)?;
     let mut reader = csv_text::reader(bytes);
-    let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error))?)?;
+    let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error, bytes))?)?;
     let mut builder = Builder::default();
     for record in reader.records() {
-        let record = record.map_err(|error| csv_text::of_reader(&error))?;
-        builder.add(&MotionRow(Row::new(&record, &columns)).line(kit, rate)?)?;
+        let record = record.map_err(|error| csv_text::of_reader(&error, bytes))?;
+        builder.add(&MotionRow(Row::new(&record, &columns, bytes)).line(kit, rate)?)?;
     }
     builder.finish()
 }

@@ -125,3 +125,19 @@ fn new_kit_goes_to_the_file_of_its_output_option_or_of_its_first_path() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("malleus kit new TABLE... -o KIT.toml"));
 }
+
+#[test]
+fn new_kit_of_tables_with_equal_names_has_a_pad_for_each_and_a_name_that_fits() {
+    let folder = Folder::new();
+    let table = KIT.split("[[pad]]").next().unwrap();
+    folder.write("one.toml", table.as_bytes()).write("two.toml", table.replace("5200.0", "5300.0").as_bytes());
+    folder.write("three.toml", table.replace("peak_force = 1.0", "peak_force = 2.0").as_bytes());
+    let output = folder.malleus("kit new one.toml two.toml three.toml -o marimba,and-a-vibraphone-kit.toml");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let loaded = kit::open(folder.path("marimba,and-a-vibraphone-kit.toml").to_str().unwrap()).unwrap();
+    let strikers: Vec<_> = loaded.kit.pads.iter().map(|pad| (pad.object.as_str(), pad.strikers.join(","))).collect();
+    let expected = [("bar", "stick"), ("bar 2", "stick"), ("bar 3", "stick 2")];
+    assert_eq!(strikers, expected.map(|(object, striker)| (object, striker.to_owned())));
+    assert_eq!((loaded.kit.name.as_str(), loaded.kit.strikers.len()), ("marimba-and-a-vibraphone", 2));
+    folder.refuses("kit new one.toml two.toml --first-note 127 -o k.toml", &["--first-note 127", "lower first note"]);
+}

@@ -360,8 +360,9 @@ malleus_biquads:
     mov     r2, #0
     subs    r11, #4
     blo     3f
-    cmp     r10, #0
-    bne     2f
+    cmp     r10, #1
+    bhi     2f
+    beq     3f                          @ one frame a pass: a multiplier of 2^31 is none
     bq_four_inputs lsl, r9
     b       3f
 2:  mov     r9, #1

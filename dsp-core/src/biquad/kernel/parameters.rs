@@ -15,8 +15,8 @@ pub struct Run {
     pub allowance: u32,
     /// Number of bits by which inputs are shifted left to become words.
     pub left: u32,
-    /// Number of bits by which they are then shifted right, rounding to nearest; not 1. Rounded
-    /// down, an input has an offset, which two poles near 1 in one place gather.
+    /// Number of bits by which they are then shifted right, rounding to nearest. Rounded down,
+    /// an input has an offset, which two poles near 1 in one place gather.
     pub right: u32,
     /// Multiplier of the shifted input into the mix, Q32.
     pub direct: i32,
