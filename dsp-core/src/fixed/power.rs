@@ -1,7 +1,8 @@
 //! Powers of a fraction in integers: they turn a velocity into force and contact time.
 
-/// Raises a number from 0 to 1 to the power `exponent`, 0.1 to 16: `number^exponent`. Numbers below
-/// 0 count as 0, numbers above 1 as 1.
+/// `number^exponent`, for numbers from 0 to 1 and exponents from 0.1 to 16.
+///
+/// Numbers below 0 count as 0, numbers above 1 as 1.
 ///
 /// The relative error is below the larger of 1e-7 and 2e-8 times the exponent. An exponent of 1
 /// takes a few cycles and changes no bit.

@@ -33,9 +33,9 @@ struct Decoded {
 /// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
 /// named.
 ///
-/// The force channel is never taken for the loudest. A constant offset is taken off each channel if
-/// it is noticeable, and a note says so. Of a file of more than 120 s the beginning is
-/// read, and a note says so.
+/// The force channel is never taken for the loudest. A noticeable constant offset is taken off its
+/// channel, and a note says so. Of a file of more than 120 s the beginning is read, and a note says
+/// so.
 ///
 /// # Errors
 /// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds

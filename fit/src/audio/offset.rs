@@ -6,8 +6,7 @@ const BLOCK_S: f64 = 0.05;
 const LEAST_BLOCKS: usize = 16;
 /// Share of the blocks that count as quiet.
 const QUIET_SHARE: usize = 4;
-/// Least offset in standard deviations of its estimate. The channels of 52 recordings without an
-/// offset have at most 3.
+/// Least offset in standard deviations of its estimate.
 const LEAST_DEVIATIONS: f64 = 12.0;
 /// Least offset relative to the rms of quiet blocks: -20 dB of their noise.
 const LEAST_OVER_NOISE: f64 = 0.1;
@@ -19,9 +18,10 @@ const LEAST_VARIANCE: f64 = 1e-16;
 
 /// Constant offset of a channel of `length` samples, full scale 1; 0 if none is noticeable.
 ///
-/// The offset is the mean of the blocks' means, each weighted by the inverse of its variance, so
-/// that silence between strikes decides. The scatter of the means says how certain it is. A channel
-/// whose noise or sound may explain the mean has no offset, and keeps all its bits.
+/// The channel is cut into blocks. The offset is the weighted mean of their means; a block's weight
+/// is the inverse of its variance, so that quiet blocks count most. The offset's standard deviation
+/// follows from the scatter of the means. An offset of less than [`LEAST_DEVIATIONS`] is taken for
+/// noise: the function gives 0, and the channel keeps all its bits.
 pub(super) fn constant_offset(samples: impl Iterator<Item = f64>, length: usize, rate_hz: f64) -> f64 {
     let size = ((BLOCK_S * rate_hz) as usize).min(length / LEAST_BLOCKS);
     if size == 0 {

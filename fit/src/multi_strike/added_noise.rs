@@ -1,17 +1,16 @@
 //! White noise for recordings that have next to none.
 //!
-//! What is a strike and what is a mode is decided against the noise between strikes. Under noise
-//! 100 dB below the peak lies what no model explains, such as rounding and the leakage of windows,
-//! and all of it would count.
+//! The fit compares strikes and modes with the noise between strikes. Rounding and the leakage of
+//! windows, 100 dB below the peak, are louder than the noise of such a recording, and would be
+//! taken for strikes and modes.
 
 use super::rises::quietest_db;
 use crate::random::SplitMix64;
 
-/// Noise relative to the peak in dB below which noise is added. Recordings with noise of -94 dB are
-/// fitted as they are, and those with -104 dB were refused.
+/// Level of the quietest frames in dB of the peak's power, below which noise is added. The frames
+/// lie 6 dB below the noise: this is noise of -94 dB.
 const LEAST_DB: f64 = -100.0;
-/// Rms of the noise that is added, relative to the peak: -72 dB. The model is then told to -105 dB;
-/// with -84 dB some descents ended in poor minima.
+/// Rms of the added noise relative to the peak: -72 dB.
 const ADDED: f64 = 2.5e-4;
 /// Seed of the noise, so that equal recordings give equal fits.
 const SEED: u64 = 1;

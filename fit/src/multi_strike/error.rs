@@ -92,8 +92,8 @@ impl StrikesError {
 
     /// Refuses fewer strikes than tell the gains along the object and the law of each striker.
     ///
-    /// As many strikes as positions have gains that fit any positions of theirs. A striker's
-    /// contact time and its exponent are told by two strikes.
+    /// For P > 1 positions P + 1 strikes are needed: P strikes can be explained by any P gains.
+    /// Each striker needs two strikes, for its contact time and its exponent.
     pub(super) fn refuse_few_for(layout: Layout, found: usize) -> Result<(), Self> {
         let Layout { positions, strikers } = layout;
         let for_positions = if positions > 1 { positions + 1 } else { LEAST_STRIKES };

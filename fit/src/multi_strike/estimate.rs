@@ -110,8 +110,8 @@ pub struct Estimate {
 
 /// Fits all strikes of a recording together, by maximum likelihood.
 ///
-/// White noise 72 dB below the peak is added before the fit to a recording whose own lies more than
-/// about 94 dB below it, and is taken off what is left.
+/// If the noise of a recording lies more than about 94 dB below its peak, white noise at -72 dB of
+/// the peak is added before the fit. It is subtracted from the residual afterwards.
 ///
 /// Full scale of `samples` is 1. The model has one thing, struck at places and with strikers as the
 /// layout says, and forces that are half-sines. Time and memory grow in proportion to the length

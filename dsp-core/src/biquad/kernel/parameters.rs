@@ -15,8 +15,10 @@ pub struct Run {
     pub allowance: u32,
     /// Number of bits by which inputs are shifted left to become words.
     pub left: u32,
-    /// Number of bits by which they are then shifted right, rounding to nearest. Rounded down,
-    /// an input has an offset, which two poles near 1 in one place gather.
+    /// Number of bits by which they are then shifted right, rounding to nearest.
+    ///
+    /// Rounding down would add an offset of half a word to each input. Two equal poles near 1 sum
+    /// it up over thousands of frames.
     pub right: u32,
     /// Multiplier of the shifted input into the mix, Q32.
     pub direct: i32,
@@ -27,7 +29,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Word of an input.
+    /// Word of an input of Q4.27: `input 2^left / 2^right`, rounded to nearest.
     #[inline(always)]
     pub fn word(&self, input: i32) -> i32 {
         rounding_shift_right(input << self.left, self.right)
