@@ -3,7 +3,8 @@
 //! `cargo bench -p fit --bench strikes` prints medians over six seeds of three sets;
 //! `-- SEEDS FIRST` chooses the number of seeds and the first one, `-- SEEDS FIRST SET` one set of
 //! `plain`, `places` and `room`; `-- time` prints how time and memory grow with the length, and
-//! `-- time 30 1800` those of recordings of 30 s and of 30 minutes.
+//! `-- time 30 1800` those of recordings of 30 s and of 30 minutes; `-- twice SEEDS FIRST` prints
+//! how much longer 60 s take than 30 s.
 
 use cpu_time::ProcessTime;
 use fit::modes::Settings;
@@ -86,6 +87,8 @@ impl Tally {
             if let Some(mode) = nearest.filter(|mode| is_heard && cents(mode).abs() < NEAR_CENTS) {
                 self.heard_found += 1;
                 self.add_mode(truth, mode, bound);
+            } else if is_heard {
+                eprintln!("no mode within {NEAR_CENTS} cents of {:.1} Hz:", truth.frequency_hz);
             }
         }
         self.strikes += sound.strikes.len();
@@ -200,6 +203,9 @@ fn main() {
     let seeds = numbers.first().copied().unwrap_or(6);
     let first = numbers.get(1).copied().unwrap_or(101);
     let seeds = first..first + seeds;
+    if words.iter().any(|word| word == "twice") {
+        return twice(seeds);
+    }
     let is_chosen = |set: &str| {
         words.iter().any(|word| word == set)
             || !["plain", "places", "room"].iter().any(|any| words.iter().any(|word| word == any))
@@ -218,6 +224,29 @@ fn main() {
         let of_room = |seed: u64| in_room(seed, 30.0, 50);
         let name = "room: plain in a room, pink noise -56 dBFS; bounds without the room";
         measure(name, seeds, one_place, of_room);
+    }
+}
+
+/// Prints how much more CPU time plain recordings of 60 s take than those of 30 s.
+fn twice(seeds: std::ops::Range<u64>) {
+    let mut ratios = Vec::new();
+    for seed in seeds {
+        let [half, whole] = [(30.0, 50), (60.0, 100)].map(|(seconds, strikes)| {
+            let sound = plain(seed, seconds, strikes, -60.0);
+            let start = ProcessTime::now();
+            let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), Layout::default(), |_| {});
+            fitted.is_ok().then(|| start.elapsed().as_secs_f64())
+        });
+        match (half, whole) {
+            (Some(half), Some(whole)) => {
+                println!("seed {seed}: {half:.1} s of CPU time, then {whole:.1} s, {:.2} times as much", whole / half);
+                ratios.push(whole / half);
+            }
+            _ => println!("seed {seed}: not fitted"),
+        }
+    }
+    if !ratios.is_empty() {
+        println!("median {:.2} times as much, 90 % below {:.2}", quantile(&ratios, 0.5), quantile(&ratios, 0.9));
     }
 }
 

@@ -25,15 +25,23 @@ const FAR_MORE: f64 = 8.0;
 
 /// The model with the strikes that stand out of what it leaves, or if there are none, the modes.
 ///
-/// A missed or misplaced strike rings in many modes, so that modes are looked for last.
+/// A missed or misplaced strike rings in many modes, so that modes are looked for last. But where a
+/// model lacks a mode of one striker, all strikes of that striker stand out as if they were
+/// misplaced, however often they are sought. `are_modes_first` looks for modes before strikes.
 pub(crate) fn completed(
     fitted: &Fitted,
     samples: &[f64],
     whitening: &Whitening,
     rate_hz: f64,
-    settings: Settings,
+    (settings, are_modes_first): (Settings, bool),
 ) -> Model {
     let mut model = fitted.model.clone();
+    if are_modes_first {
+        add_modes(&mut model, &fitted.residual, rate_hz, settings);
+        if model.poles.len() > fitted.model.poles.len() {
+            return model;
+        }
+    }
     let (misplaced, variance) = misplaced(fitted, rate_hz);
     let mut places = 0..;
     model.strikes.retain(|_| !misplaced.contains(&places.next().unwrap_or(0)));
@@ -50,23 +58,28 @@ pub(crate) fn completed(
     let is_complete = missing.is_empty() && misplaced.is_empty();
     model.strikes.extend(missing);
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
-    if is_complete {
-        let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
-        let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
-        // Gains that differ from strike to strike have no sum that all strikes share.
-        let poles = if model.places() > 1 || model.owners.iter().any(Option::is_some) {
-            let onsets: Vec<usize> =
-                model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
-            left_over(&left, &onsets, rate_hz, few)
-        } else {
-            tied_modes(&model, &left, rate_hz, few)
-        };
-        for pole in poles.into_iter().take(MOST_AT_A_TIME) {
-            // The first step finds the gain, which is linear.
-            model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
-        }
+    if is_complete && !are_modes_first {
+        add_modes(&mut model, &left, rate_hz, settings);
     }
     model
+}
+
+/// Adds the modes that ring in what a model leaves.
+fn add_modes(model: &mut Model, left: &[f64], rate_hz: f64, settings: Settings) {
+    let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
+    let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
+    // Gains that differ from strike to strike have no sum that all strikes share.
+    let poles = if model.places() > 1 || model.owners.iter().any(Option::is_some) {
+        let onsets: Vec<usize> =
+            model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize).collect();
+        left_over(left, &onsets, rate_hz, few)
+    } else {
+        tied_modes(model, left, rate_hz, few)
+    };
+    for pole in poles.into_iter().take(MOST_AT_A_TIME) {
+        // The first step finds the gain, which is linear.
+        model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
+    }
 }
 
 /// Strikes behind which far more is left than behind the others, and the noise's variance.

@@ -38,7 +38,7 @@ pub(super) fn completed_fit(
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
         fitted = Fitted::new(fitted.model, samples, &whitening);
         fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
-        let more = completed(&fitted, samples, &whitening, rate_hz, settings);
+        let more = completed(&fitted, samples, &whitening, rate_hz, (settings, stalled > 0));
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         for _ in 0..PRUNINGS {
@@ -81,4 +81,31 @@ fn with_strikers(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz
     let other = Fitted::new(next, samples, whitening);
     // Gains told by few strikes may be wrong by any factor.
     if other.energy < energy(samples, whitening) { other } else { fitted }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::synthetic::at_places;
+    use crate::multi_strike::truth::model_of;
+
+    #[test]
+    fn modes_of_one_striker_are_found_though_all_its_strikes_seem_misplaced() {
+        let sound = at_places(301, 20.0, 30);
+        let truth = model_of(&sound);
+        let own: Vec<usize> = (0..truth.poles.len()).filter(|&mode| truth.owners[mode].is_some()).collect();
+        let mut model = truth.clone();
+        model.drop_modes(&own);
+        let first = Fitted::new(model, &sound.samples, &Whitening::none());
+        let layout = Layout { positions: truth.places(), strikers: 2 };
+        let (fitted, _) = completed_fit(first, &sound.samples, sound.rate_hz, Settings::default(), layout, &|_| {})
+            .expect("strikes are told");
+        for &mode in &own {
+            let pole = truth.poles[mode];
+            let is_near = |found: &&crate::modes::Pole| (found.angular - pole.angular).abs() < pole.decay;
+            let found = fitted.model.poles.iter().find(is_near);
+            assert!(found.is_some(), "no mode near {:.1} Hz", pole.frequency_hz(sound.rate_hz));
+        }
+        assert_eq!(fitted.model.strikes.len(), truth.strikes.len());
+    }
 }
