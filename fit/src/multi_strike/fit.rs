@@ -85,6 +85,8 @@ pub(crate) fn fit(
     if fitted.model.contact_times_are_held {
         fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
     }
+    // What follows the first refusal may end poorly, too.
+    StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted.model.normalise();
     let mut deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
     if fitted.model.contact_times_are_held {
