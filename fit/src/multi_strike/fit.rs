@@ -13,6 +13,7 @@ use super::in_room::{InRoom, energy, in_room};
 use super::layout::Layout;
 use super::rises::rises;
 use super::whitening::Whitening;
+use super::zeros::modes_at_zeros;
 use crate::modes::Settings;
 use crate::room::Room;
 
@@ -75,6 +76,12 @@ pub(crate) fn fit(
     StrikesError::refuse_few(fitted.model.strikes.len(), rising)?;
     StrikesError::refuse_few_for(layout, fitted.model.strikes.len())?;
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
+    let untold = modes_at_zeros(&fitted.model);
+    if !untold.is_empty() {
+        let mut model = fitted.model.clone();
+        model.drop_modes(&untold);
+        fitted = Fitted::new(model, samples, &whitening);
+    }
     fitted = descend(fitted, samples, &whitening, Ending::FINE);
     told(0.9);
     fitted = at_best_time(fitted, samples, &whitening);

@@ -54,6 +54,7 @@ mod tied;
 mod timing;
 mod truth;
 mod whitening;
+mod zeros;
 
 pub(crate) use clipping::is_clipped;
 pub use error::StrikesError;
