@@ -104,12 +104,18 @@ pub enum BoardError {
         /// Time of the breakpoint, in seconds from power-on.
         time_s: f64,
     },
-    /// A WAV file cannot be read or written.
+    /// There is no sound to write.
+    #[error("no sound left the I2S, so that there is no WAV file to write; leave it out, and look into the log")]
+    NoSound,
+    /// The sound is longer than a WAV file can be.
+    #[error("the sound does not fit a WAV file (4 GiB); run the board for a shorter time")]
+    LongSound,
+    /// A WAV file cannot be read.
     #[error("{}: {reason}", path.display())]
     Wave {
         /// Path of the file.
         path: PathBuf,
-        /// Reason for which it cannot be read or written.
+        /// Reason for which it cannot be read.
         reason: String,
     },
     /// The board does not have the piezo.

@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 
 use boards::{BlackpillF411, Board};
 use cable::{Content, Identity, Job, Key, LeftOut, Refusal, Store, Text, Value};
+use dsp_core::SampleRate;
 
 /// Bytes of a slot.
 pub(crate) const CAPACITY: usize = 64 * 1024;
 
 /// Board with two slots of flash.
 pub(crate) struct TestBoard {
+    /// Number of slots that the board tells of, 1 or 2.
+    pub(crate) slot_count: u8,
     pub(crate) slots: [Vec<u8>; 2],
     pub(crate) playing: Option<u8>,
     pub(crate) settings: BTreeMap<Key, Value>,
@@ -22,6 +25,7 @@ pub(crate) struct TestBoard {
 impl TestBoard {
     pub(crate) fn new() -> Self {
         Self {
+            slot_count: 2,
             slots: [vec![0xFF; CAPACITY], vec![0xFF; CAPACITY]],
             playing: None,
             settings: BTreeMap::new(),
@@ -50,9 +54,10 @@ impl Store for TestBoard {
     fn identity(&self) -> Identity {
         Identity {
             firmware: Text::new("0.1.0"),
-            revision: Text::new("a85fb13"),
+            revision: Text::new("74990db"),
             board: Text::new(BlackpillF411::NAME),
-            rate: BlackpillF411::rate(),
+            // The image of the BlackPill tells its clock and divider, which are 48 kHz.
+            rate: SampleRate::new(76_800_000, 1_600).expect("48 kHz"),
         }
     }
 
@@ -61,7 +66,7 @@ impl Store for TestBoard {
     }
 
     fn slots(&self) -> u8 {
-        2
+        self.slot_count
     }
 
     fn bytes(&self, slot: u8) -> Option<&[u8]> {
@@ -79,7 +84,7 @@ impl Store for TestBoard {
     fn longest_ms(&self, job: Job) -> u16 {
         match job {
             Job::Prepare(_) | Job::Erase(_) => 2000,
-            _ => 500,
+            _ => 1000,
         }
     }
 

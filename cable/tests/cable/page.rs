@@ -35,7 +35,7 @@ fn example_of_the_page_is_what_both_ends_say() {
     ]
     .into_iter();
     let mut device = Device::new();
-    let mut board = TestBoard::new();
+    let mut board = TestBoard { slot_count: 1, ..TestBoard::new() };
     let mut message = Message::new();
     let mut answers = Vec::new();
     let example = example();

@@ -12,9 +12,9 @@ fn identity_names_firmware_board_rate_slots_and_the_playing_slot() {
     let mut wire = Wire::new(TestBoard::playing(&demo()));
     let Ok(Answer::Identity { identity, slots, playing }) = wire.ask(Request::Identity) else { panic!("no identity") };
     assert_eq!(identity.firmware.as_str(), "0.1.0");
-    assert_eq!(identity.revision.as_str(), "a85fb13");
+    assert_eq!(identity.revision.as_str(), "74990db");
     assert_eq!(identity.board.as_str(), "blackpill-f411");
-    assert_eq!(identity.rate.ratio(), (48_000, 1));
+    assert_eq!(identity.rate.ratio(), (76_800_000, 1_600));
     assert_eq!((slots, playing), (2, Some(0)));
     wire.ask(Request::Start { slot: None }).unwrap();
     assert!(matches!(wire.ask(Request::Identity), Ok(Answer::Identity { playing: None, .. })));

@@ -1,15 +1,13 @@
-//! `malleus board`: which command is run, and `run`, an unmodified firmware image on a virtual
-//! board.
+//! `malleus board`: which command is run, and the arguments of `run`.
 
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
-use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoPin, PiezoSignal, Press, Report, Setup, VirtualBoard};
+use virtual_board::{Board, BoardError, CycleCase, Fault, PiezoPin, Press};
 
-use super::board_midi::{self, MidiArguments};
+use super::board_midi::MidiArguments;
+use super::board_run;
 use super::error::CommandError;
-use super::output::{print, print_json, progress};
 use super::usb_midi::{self, EraseArguments, PortArguments, ReadArguments, SendArguments, SettingsArguments};
 
 /// Commands of `malleus board`.
@@ -36,68 +34,69 @@ pub(crate) enum BoardCommand {
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     /// ELF file of the firmware, as cargo builds it in firmware/
-    image: PathBuf,
+    pub(super) image: PathBuf,
     /// Board: stm32f407g-disc1 or blackpill-f411
     #[arg(long, value_parser = parse_board, default_value = "stm32f407g-disc1")]
-    board: Board,
+    pub(super) board: Board,
     /// Signal at the pin of a piezo, as a WAV file whose range -1 to 1 is 0 V to the supply; piezos
     /// count from 0 [default piezo: 0]
     #[arg(long, value_name = "[PIEZO=]HIT.wav")]
-    piezo: Vec<String>,
+    pub(super) piezo: Vec<String>,
     /// Part that is wired to each piezo's pin, piezo 0 first
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PIN,...")]
-    pins: Vec<PinPart>,
-    /// Noise of each conversion of the ADC, in counts rms
-    #[arg(long, value_name = "COUNTS", default_value_t = 0.0, value_parser = parse_seconds)]
-    adc_noise: f64,
+    pub(super) pins: Vec<PinPart>,
+    /// Noise of each conversion of the ADC, in counts rms, from 0 to 4095
+    #[arg(long, value_name = "COUNTS", default_value_t = 0.0, value_parser = parse_counts)]
+    pub(super) adc_noise: f64,
     /// Start of these signals, in seconds after power-on: the firmware needs some time to start
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = parse_seconds)]
-    piezo_start: f64,
+    pub(super) piezo_start: f64,
     /// Press of the button, in seconds: when, for how long (0.1 if left out), and for how long its
     /// contacts bounce (0 if left out)
     #[arg(long, value_name = "AT[,FOR[,BOUNCE]]", value_parser = parse_press)]
-    button: Vec<Press>,
+    pub(super) button: Vec<Press>,
     /// Fault of the hardware or the program: adc-overrun@AT, audio-dma-error@AT, adc-dma-error@AT,
     /// codec-silent, crystal-dead, probe-away@AT,FOR, core-stalled@AT,FOR, halted@AT,FOR,
     /// audio-interrupt-lost@AT,FOR, piezo-at-rail@AT,PIEZO, stack-used-up@AT,BYTES (that are
     /// left), flash-error@NTH, power-lost@AT, panic@AT, hard-fault@AT; times in seconds
     #[arg(long, value_name = "FAULT[@AT,...]", value_parser = parse_fault)]
-    fault: Vec<Fault>,
+    pub(super) fault: Vec<Fault>,
     /// Song that a USB host plays on the board: a Standard MIDI File
     #[arg(long, value_name = "SONG.mid")]
-    midi: Option<PathBuf>,
+    pub(super) midi: Option<PathBuf>,
     /// Start of the song and of --sysex, in seconds after power-on: a host needs 0.2 s to find the
     /// board once it has loaded its kit
     #[arg(long, value_name = "SECONDS", default_value_t = 0.6, value_parser = parse_seconds)]
-    midi_start: f64,
-    /// Standard MIDI File to write: what the board sends over USB, from the start of the song on
+    pub(super) midi_start: f64,
+    /// Standard MIDI File to write: what the board sends over USB, from the start of the song or of
+    /// --sysex on; without both from power-on
     #[arg(long, value_name = "OUT.mid")]
-    midi_out: Option<PathBuf>,
+    pub(super) midi_out: Option<PathBuf>,
     /// SysEx that a USB host sends to the board: raw bytes, one message after the other
     #[arg(long, value_name = "FILE.syx")]
-    sysex: Option<PathBuf>,
+    pub(super) sysex: Option<PathBuf>,
     /// Binary kit in the kit sector of the board, from malleus kit build [default: erased flash]
     #[arg(long, value_name = "KIT.bin")]
-    kit: Option<PathBuf>,
+    pub(super) kit: Option<PathBuf>,
     /// Seconds to run, from power-on [default: 2 s more than the signals and presses last]
     #[arg(long, value_parser = parse_seconds)]
-    seconds: Option<f64>,
+    pub(super) seconds: Option<f64>,
     /// Column of the cycle model that sets the time of the board
     #[arg(long, value_enum, default_value = "nominal")]
-    cycles: Cycles,
+    pub(super) cycles: Cycles,
     /// Add the wait states of the flash that its accelerator does not hide
     #[arg(long)]
-    flash_waits: bool,
+    pub(super) flash_waits: bool,
     /// WAV file to write: the sound on the I2S, from its first frame on
     #[arg(short, long, value_name = "OUT.wav")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Form of the printed report: text for people, json for programs (docs/json.md)
     #[arg(long, value_enum, default_value = "text")]
-    report: Form,
+    pub(super) report: Form,
 }
 
 impl RunArguments {
-    fn midi_arguments(&self) -> MidiArguments<'_> {
+    pub(super) fn midi_arguments(&self) -> MidiArguments<'_> {
         MidiArguments {
             song: self.midi.as_deref(),
             sysex: self.sysex.as_deref(),
@@ -108,7 +107,7 @@ impl RunArguments {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Cycles {
+pub(super) enum Cycles {
     Best,
     Nominal,
     Worst,
@@ -116,7 +115,7 @@ enum Cycles {
 
 /// Part that is wired to a piezo's pin.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum PinPart {
+pub(super) enum PinPart {
     /// A piezo with clamp and bias
     Piezo,
     /// Nothing
@@ -125,6 +124,16 @@ enum PinPart {
     Ground,
     /// 10 cm of wire, with nothing at its end
     Wire,
+}
+
+impl From<Cycles> for CycleCase {
+    fn from(cycles: Cycles) -> CycleCase {
+        match cycles {
+            Cycles::Best => CycleCase::Best,
+            Cycles::Nominal => CycleCase::Nominal,
+            Cycles::Worst => CycleCase::Worst,
+        }
+    }
 }
 
 impl From<PinPart> for PiezoPin {
@@ -139,19 +148,19 @@ impl From<PinPart> for PiezoPin {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
-enum Form {
+pub(super) enum Form {
     Text,
     Json,
 }
 
-/// Default time from the end of the last signal or press to the end of the run, in seconds.
-const TAIL_S: f64 = 2.0;
 /// Longest run, in seconds: an hour.
-const LONGEST_S: f64 = 3600.0;
+pub(super) const LONGEST_S: f64 = 3600.0;
+/// Largest noise of the ADC, in counts: its whole range of 12 bits.
+const MOST_COUNTS: f64 = 4095.0;
 
 pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
     match command {
-        BoardCommand::Run(arguments) => run_image(arguments),
+        BoardCommand::Run(arguments) => board_run::run(arguments),
         BoardCommand::Info(arguments) => usb_midi::info(arguments),
         BoardCommand::Send(arguments) => usb_midi::send(arguments),
         BoardCommand::Read(arguments) => usb_midi::read(arguments),
@@ -161,153 +170,6 @@ pub(crate) fn run(command: &BoardCommand) -> Result<(), CommandError> {
     }
 }
 
-fn run_image(arguments: &RunArguments) -> Result<(), CommandError> {
-    let elf = read(&arguments.image)?;
-    let kit = arguments.kit.as_deref().map(read).transpose()?.unwrap_or_default();
-    let piezos = arguments.piezo.iter().map(|piezo| signal(piezo, arguments.piezo_start));
-    let setup = Setup {
-        cycles: match arguments.cycles {
-            Cycles::Best => CycleCase::Best,
-            Cycles::Nominal => CycleCase::Nominal,
-            Cycles::Worst => CycleCase::Worst,
-        },
-        flash_waits: arguments.flash_waits,
-        piezos: piezos.collect::<Result<Vec<_>, BoardError>>()?,
-        pins: arguments.pins.iter().map(|&part| part.into()).collect(),
-        adc_noise_counts: arguments.adc_noise,
-        presses: arguments.button.clone(),
-        faults: arguments.fault.clone(),
-        kit,
-        usb: board_midi::host(&arguments.midi_arguments())?,
-        ..Setup::default()
-    };
-    let seconds = arguments.seconds.unwrap_or_else(|| length_s(&setup)).min(LONGEST_S);
-    let mut board = VirtualBoard::new(arguments.board, &elf, &setup)?;
-    let bar = progress((seconds * 1000.0) as u64, "running");
-    let mut reached = 0.0;
-    let mut ended = Ok(());
-    while reached < seconds && ended.is_ok() {
-        reached = (reached + 0.05_f64).min(seconds);
-        ended = board.run_until(reached);
-        bar.set_position((reached * 1000.0) as u64);
-    }
-    bar.finish_and_clear();
-    if let Some(output) = &arguments.output
-        && (ended.is_ok() || !board.streams().is_empty())
-    {
-        board.write_wav(output)?;
-    }
-    let report = board.report()?;
-    board_midi::write(&arguments.midi_arguments(), &report.usb)?;
-    match arguments.report {
-        Form::Json => print_json(&report)?,
-        Form::Text => print(&text(&report))?,
-    }
-    Ok(ended?)
-}
-
-pub(super) fn read(path: &Path) -> Result<Vec<u8>, CommandError> {
-    std::fs::read(path).map_err(|error| CommandError::Unreadable { file: path.display().to_string(), error })
-}
-
-fn signal(argument: &str, start_s: f64) -> Result<PiezoSignal, BoardError> {
-    let numbered = argument.split_once('=').and_then(|(piezo, path)| Some((piezo.parse().ok()?, path)));
-    let (piezo, path) = numbered.unwrap_or((0, argument));
-    PiezoSignal::from_wav(piezo, start_s, Path::new(path))
-}
-
-fn length_s(setup: &Setup) -> f64 {
-    let signals = setup.piezos.iter().map(|signal| signal.start_s + signal.samples.len() as f64 / signal.rate_hz);
-    let presses = setup.presses.iter().map(|press| press.at_s + press.for_s + press.bounce_s);
-    let usb = setup.usb.actions.iter().map(|action| action.0);
-    signals.chain(presses).chain(usb).fold(0.0, f64::max) + TAIL_S
-}
-
-fn text(report: &Report) -> String {
-    let mut text = String::new();
-    let mhz = report.core_hz / 1e6;
-    let microseconds = |cycles: f64| cycles / mhz;
-    for line in &report.log {
-        let _ = writeln!(text, "{:10.4} s  {:5} {}", line.at_s, line.level, line.message);
-    }
-    let waits = if report.flash_waits { " with the waits of flash" } else { "" };
-    let _ =
-        writeln!(text, "{}: {:.3} s at {mhz} MHz, {} cycles{waits}", report.board, report.seconds, report.cycle_case);
-    let stack = report.stack_bytes.map_or("unknown".to_owned(), |bytes| format!("{bytes} bytes"));
-    let _ = writeln!(
-        text,
-        "flash {} bytes, static RAM {} bytes, stack {stack}; {} instructions, idle {:.1} %",
-        report.flash_bytes,
-        report.static_ram_bytes,
-        report.instructions,
-        100.0 * report.idle_share
-    );
-    let audio = &report.audio;
-    let frames: usize = audio.streams.iter().map(|stream| stream.frames).sum();
-    let underruns: u64 = audio.streams.iter().map(|stream| stream.underruns).sum();
-    let rate = audio.rate.as_deref().unwrap_or("no rate");
-    let _ = writeln!(
-        text,
-        "I2S: {rate} Hz, {frames} frames in {} streams, {underruns} underruns; {} halves, {} late, worst load {:.1} %",
-        audio.streams.len(),
-        audio.halves,
-        audio.late_halves,
-        100.0 * audio.worst_load.unwrap_or(0.0)
-    );
-    let _ = writeln!(text, "ADC: {} sequences, {} triggers lost", report.adc.sequences, report.adc.lost_triggers);
-    for interrupt in &report.interrupts {
-        let latency = interrupt
-            .worst_latency_cycles
-            .map_or(String::new(), |cycles| format!(", latency at most {:.2} us", microseconds(cycles as f64)));
-        let _ = writeln!(
-            text,
-            "{:14} {:8} times, {:5.1} % of the time, at most {:.1} us{latency}",
-            interrupt.name,
-            interrupt.count,
-            100.0 * interrupt.cycles as f64 / (report.seconds * report.core_hz),
-            microseconds(interrupt.worst_span_cycles as f64)
-        );
-    }
-    let usb = &report.usb;
-    if usb.resets > 0 {
-        let _ = writeln!(
-            text,
-            "USB: configured {} times, {} transfers to the board, {} refused for the moment, {} from the board",
-            usb.configured_s.len(),
-            usb.sent.len(),
-            usb.refused,
-            usb.received.len()
-        );
-    }
-    let flash = &report.flash;
-    if flash.programmed + flash.failed + flash.torn > 0 || flash.erases.iter().any(|&erases| erases > 0) {
-        let _ = writeln!(
-            text,
-            "flash: {} programmed, {} failed, {} torn; erases by sector {:?}",
-            flash.programmed, flash.failed, flash.torn, flash.erases
-        );
-    }
-    if let Some(lost_s) = report.power_lost_s {
-        let _ = writeln!(text, "{lost_s:10.4} s  power lost");
-    }
-    for reset in &report.resets {
-        let _ = writeln!(text, "{:10.4} s  reset: {}", reset.at_s, reset.cause);
-    }
-    for mute in &report.mutes {
-        let _ = writeln!(text, "{:10.4} s  converter {}", mute.at_s, if mute.mute { "mute" } else { "audible" });
-    }
-    for volume in &report.volumes {
-        let side = |db: Option<f64>| db.map_or("mute".to_owned(), |db| format!("{db} dB"));
-        let [left, right] = volume.headphones_db.map(side);
-        let _ = writeln!(text, "{:10.4} s  headphones {left} and {right}", volume.at_s);
-    }
-    let _ = writeln!(text, "LEDs: {} changes", report.leds.len());
-    for warning in report.codec_complaints.iter().chain(&report.warnings).chain(&usb.failures) {
-        let _ = writeln!(text, "warning: {warning}");
-    }
-    text
-}
-
 pub(crate) fn parse_board(name: &str) -> Result<Board, String> {
     name.parse().map_err(|error: BoardError| error.to_string())
 }
@@ -315,6 +177,11 @@ pub(crate) fn parse_board(name: &str) -> Result<Board, String> {
 fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=LONGEST_S).contains(seconds));
     seconds.ok_or_else(|| format!("must be from 0 to {LONGEST_S} seconds"))
+}
+
+fn parse_counts(text: &str) -> Result<f64, String> {
+    let counts = text.parse().ok().filter(|counts| (0.0..=MOST_COUNTS).contains(counts));
+    counts.ok_or_else(|| format!("must be from 0 to {MOST_COUNTS} counts of the ADC, which has 12 bits"))
 }
 
 fn parse_press(text: &str) -> Result<Press, String> {

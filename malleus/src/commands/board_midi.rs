@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use malleus::counting::counted;
 use malleus::events::usb_midi::{self, Packet};
 use malleus::events::{EventsError, EventsFault};
 use virtual_board::{UsbAction, UsbHost, UsbReport};
 
-use super::board::read;
+use super::board_inputs::read;
 use super::error::CommandError;
 
 /// Arguments that concern MIDI.
@@ -51,14 +52,34 @@ pub(super) fn host(arguments: &MidiArguments<'_>) -> Result<UsbHost, CommandErro
 
 /// Writes what the board sent, if a file is asked for.
 ///
+/// Times count from the start of the song and the SysEx, and what came before is left out. Without
+/// both they count from power-on.
+///
 /// # Errors
 /// [`CommandError`] if the file cannot be written.
 pub(super) fn write(arguments: &MidiArguments<'_>, report: &UsbReport) -> Result<(), CommandError> {
     let Some(path) = arguments.output else { return Ok(()) };
+    let begins_s = if arguments.song.or(arguments.sysex).is_some() { arguments.start_s } else { 0.0 };
     let mut packets = Vec::new();
-    for transfer in &report.received {
-        let at_s = transfer.ended_s - arguments.start_s;
+    for transfer in report.received.iter().filter(|transfer| transfer.ended_s >= begins_s) {
+        let at_s = transfer.ended_s - begins_s;
         packets.extend(transfer.bytes.as_chunks().0.iter().map(|&packet| (at_s, packet)));
     }
     Ok(kit::file::write_whole(path, &usb_midi::song(&packets)?)?)
+}
+
+/// Returns a warning if the board did not get all that the host had to send.
+pub(super) fn undelivered(report: &UsbReport) -> Option<String> {
+    if report.unsent == 0 {
+        return None;
+    }
+    let lost = counted(report.unsent, "transfers");
+    Some(match report.configured_s.first() {
+        None => format!(
+            "warning: the board never got {lost} of --midi and --sysex, because the USB host could not configure it; give more --seconds, or look into the log"
+        ),
+        Some(at_s) => format!(
+            "warning: the board never got {lost} of --midi and --sysex: the USB host configured it at {at_s:.3} s, and what is sent before that is lost; give a later --midi-start, or more --seconds"
+        ),
+    })
 }

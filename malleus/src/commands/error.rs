@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use malleus::counting::counted;
 use malleus::events::EventsError;
 use malleus::plot::PlotError;
 use malleus::render::instrument::RenderError;
@@ -52,6 +53,8 @@ pub(crate) enum CommandError {
     TooLong { file: String, seconds: f64, longest: f64 },
     #[error(transparent)]
     Board(#[from] virtual_board::BoardError),
+    #[error(transparent)]
+    BoardInput(#[from] super::board_inputs::BoardInputError),
     #[error(transparent)]
     Cable(#[from] cable::HostError),
     #[error("{kit}: {board} cannot load it: {error}")]
@@ -134,7 +137,7 @@ pub(crate) enum CommandError {
     Study(#[from] malleus::study::StudyError),
     #[error("{0}")]
     Recording(String),
-    #[error("{failed} of {of} recordings could not be fitted; the tables of the others are written")]
+    #[error("{failed} of {} could not be fitted; the tables of the others are written", counted(*of, "recordings"))]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]
     Workers(#[source] rayon::ThreadPoolBuildError),

@@ -211,10 +211,10 @@ fn aligned(fitted: &Fitted) -> Vec<f64> {
     sound
 }
 
-/// True if the result exists and is no older than its source.
+/// True if the result is a file and no older than its source. A folder or a pipe is no result.
 fn is_newer(result: &Path, source: &Path) -> bool {
     let time = |path: &Path| fs::metadata(path).and_then(|metadata| metadata.modified()).ok();
-    time(result).zip(time(source)).is_some_and(|(result, source)| result >= source)
+    result.is_file() && time(result).zip(time(source)).is_some_and(|(result, source)| result >= source)
 }
 
 /// Row of a fitted recording, and what else there is to say of it.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use dsp_core::SampleRate;
+use malleus::counting::counted;
 use malleus::render::headroom::{self, LARGEST_FORCE};
 
 use super::error::CommandError;
@@ -44,7 +45,7 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
     set_levels(output, &mut kit);
     let bytes = kit::binary::build(&kit)?.len();
     kit::file::write_whole(output, kit::text::write(&kit).as_bytes())?;
-    print(&format!("{}: {} pads, {bytes} bytes in binary\n", output.display(), kit.pads.len()))
+    print(&format!("{}: {}, {bytes} bytes in binary\n", output.display(), counted(kit.pads.len(), "pads")))
 }
 
 /// Kit of all objects and strikers of the tables, with one pad per object at a level of 0 dB.

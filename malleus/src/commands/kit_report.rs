@@ -2,6 +2,7 @@
 //! report.
 
 use kit::{BankStatistics, Loaded};
+use malleus::counting::counted;
 use serde::Serialize;
 
 use super::error::CommandError;
@@ -36,14 +37,6 @@ pub(super) fn counts(loaded: &Loaded) -> String {
         }
     }
     counts
-}
-
-/// A number of things, which a plural in -s names.
-fn counted(count: usize, things: &str) -> String {
-    match count {
-        1 => format!("1 {}", things.trim_end_matches('s')),
-        _ => format!("{count} {things}"),
-    }
 }
 
 /// Report on a kit that `--json` prints (docs/json.md).

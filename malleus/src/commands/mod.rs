@@ -1,7 +1,10 @@
 //! The commands: each reads its files, calls the library, shows progress and writes its results.
 
 pub(crate) mod board;
+mod board_inputs;
 mod board_midi;
+mod board_run;
+mod board_text;
 pub(crate) mod demo;
 mod error;
 pub(crate) mod fit;

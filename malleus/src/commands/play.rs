@@ -7,6 +7,7 @@ use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
+use malleus::counting::counted;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::{Level, held_frames};
@@ -157,7 +158,8 @@ fn budget_cycles(arguments: &PlayArguments, performance: &Performance, rate: Sam
 fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
     if let Some(ForceLoad { largest, overloads }) = force.filter(|force| force.overloads > 0) {
         eprintln!(
-            "malleus: {kit}: the force of {overloads} strikes may clip: it comes up to {largest:.1} times reference_force, and the force bus ends at 16; malleus kit check says which reference_force fits"
+            "malleus: {kit}: the force of {} may clip: it comes up to {largest:.1} times reference_force, and the force bus ends at 16; malleus kit check says which reference_force fits",
+            counted(overloads, "strikes")
         );
     }
     if level.saturated_samples > 0 {

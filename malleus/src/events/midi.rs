@@ -10,6 +10,7 @@ use midly::{Fps, MetaMessage, MidiMessage, Smf, Timing, TrackEventKind};
 
 use super::error::EventsFault;
 use super::list::{EventList, time_from_seconds};
+use crate::counting::counted;
 
 /// Channel of General MIDI percussion, counted from 0: users know it as channel 10.
 const PERCUSSION_CHANNEL: u8 = 9;
@@ -74,14 +75,15 @@ pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList,
         }
     }
     if programs > 0 {
-        list.remarks.push(format!("{programs} program changes are left out: a file plays one kit"));
+        list.remarks.push(format!("{} left out: a file plays one kit", counted(programs, "program changes")));
     }
     let skipped: usize = unmapped.values().sum();
     if skipped > 0 {
         if strikes == 0 {
             return Err(EventsFault::NoMappedNote { notes: skipped, mapped: mapped_notes(kit) });
         }
-        let notes: Vec<_> = unmapped.iter().map(|(note, count)| format!("{note} ({count} times)")).collect();
+        let notes: Vec<_> =
+            unmapped.iter().map(|(note, &count)| format!("{note} ({})", counted(count, "times"))).collect();
         list.remarks.push(format!("no pad plays note {}: these notes are left out", notes.join(", ")));
     }
     Ok(list)

@@ -9,6 +9,7 @@ use super::document::document;
 use super::error::ReportError;
 use super::markup::escaped;
 use super::page::{Summary, material, significant};
+use crate::counting::counted;
 
 /// File name of the index.
 pub const INDEX_FILE: &str = "index.html";
@@ -72,8 +73,8 @@ fn index(pages: &[(String, Summary)], failed: &[(String, String)]) -> String {
     let median = fit::score::quantile(&lsd, 0.5);
     let median = if lsd.is_empty() { String::new() } else { format!(", median LSD {median:.2} dB") };
     let body = format!(
-        "<h1>Fitted recordings</h1>\n<p class=\"muted\">{} recordings{median}</p>\n<div class=\"scroll\"><table>\n<tr><th>recording</th><th>modes</th><th>LSD, dB</th><th>with residual</th><th>T60, s</th><th>contact, ms</th><th>material, a guess</th><th>room T60, s</th><th>seconds</th></tr>\n{rows}</table></div>\n",
-        pages.len()
+        "<h1>Fitted recordings</h1>\n<p class=\"muted\">{}{median}</p>\n<div class=\"scroll\"><table>\n<tr><th>recording</th><th>modes</th><th>LSD, dB</th><th>with residual</th><th>T60, s</th><th>contact, ms</th><th>material, a guess</th><th>room T60, s</th><th>seconds</th></tr>\n{rows}</table></div>\n",
+        counted(pages.len(), "recordings")
     );
     document("Fitted recordings", &body)
 }

@@ -30,6 +30,19 @@ fn outputs_that_cannot_be_written_or_are_named_twice_are_refused_before_a_fit() 
 }
 
 #[test]
+fn folder_in_the_place_of_a_table_is_refused_and_not_taken_for_a_result() {
+    let folder = TempDir::new().expect("a folder");
+    let recording = folder.path().join("taps.wav");
+    write_recording(&recording, &plain(3, 1.0, 3, -60.0).samples);
+    let table = folder.path().join("dir.toml");
+    std::fs::create_dir(&table).expect("a folder");
+    let output = malleus(&[&recording], &["-o", &table.to_string_lossy()]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && said.contains("dir.toml: cannot be written: is a directory"), "{said}");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
 fn two_or_three_positions_are_refused_as_the_help_says() {
     for positions in ["2", "3", "17", "0"] {
         let output = malleus(&[], &["taps.wav", "-o", "t.toml", "--events", "t.csv", "--positions", positions]);

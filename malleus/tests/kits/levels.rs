@@ -184,7 +184,8 @@ fn new_kit_strikes_objects_without_strikers_by_those_of_other_tables() {
     fs::write(folder.path().join("bar.toml"), object).unwrap();
     let head = object.split("[[object]]").next().unwrap();
     fs::write(folder.path().join("strikers.toml"), format!("{head}[[striker]]{striker}")).unwrap();
-    stdout(folder.path(), "kit new bar.toml strikers.toml -o new.toml");
+    let told = stdout(folder.path(), "kit new bar.toml strikers.toml -o new.toml");
+    assert!(told.contains(": 1 pad, "), "{told}");
     let kit = kit::load(&folder.path().join("new.toml")).unwrap().kit;
     assert!(kit.pads.len() == 1 && kit.pads[0].strikers.len() == kit.strikers.len(), "{:?}", kit.pads[0]);
 

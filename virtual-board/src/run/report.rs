@@ -1,7 +1,7 @@
 //! Report of a run, which serialises to the JSON of `malleus board run --report json`
 //! (docs/json.md).
 
-use std::path::Path;
+use std::io::Cursor;
 
 use serde::Serialize;
 use virtual_core::{CycleCase, FunctionCost};
@@ -34,7 +34,7 @@ pub struct Report {
     /// Number of bytes that the memory map leaves to the stack; `None` if the image does not name
     /// the end of the stack.
     pub stack_room_bytes: Option<u32>,
-    /// Time for which the board ran, in seconds.
+    /// Time for which the board ran, in seconds, rounded to microseconds.
     pub seconds: f64,
     /// Clock of the core at the end, in Hz.
     pub core_hz: f64,
@@ -255,7 +255,7 @@ impl VirtualBoard {
             static_ram_bytes: self.image.static_ram_bytes(),
             stack_bytes: self.stack_bytes(),
             stack_room_bytes: self.stack_room_bytes(),
-            seconds: devices.seconds(now),
+            seconds: (devices.seconds(now) * 1e6).round() / 1e6,
             core_hz: devices.clocks.core.as_f64(),
             instructions: self.machine.cost().instructions,
             cycles: now,
@@ -296,7 +296,7 @@ impl VirtualBoard {
                 .collect(),
             power_lost_s: self.power_lost_s,
             flash: FlashReport::of(devices.flash_contents()),
-            usb: devices.usb_host.report().clone(),
+            usb: devices.usb_host.report(),
             codec_complaints: devices.codec.as_ref().map(|codec| codec.complaints.clone()).unwrap_or_default(),
             warnings: recording.warnings.clone(),
             log,
@@ -354,34 +354,39 @@ impl VirtualBoard {
         Some(worst as f64 / half_cycles.max(1) as f64)
     }
 
-    /// Writes the sound that left the I2S as a 24-bit stereo WAV file.
+    /// Returns the sound that left the I2S as a 24-bit stereo WAV file.
     ///
     /// The rate in the file is rounded to whole Hz; the report has the exact one. The file begins
     /// with the first frame, and pauses between two streams are silence.
     ///
     /// # Errors
-    /// [`BoardError::Wave`] if nothing left the I2S, or the file cannot be written.
-    pub fn write_wav(&self, path: &Path) -> Result<(), BoardError> {
-        let wrong = |reason: String| BoardError::Wave { path: path.to_owned(), reason };
-        let streams = self.streams();
-        let Some(first) = streams.first() else { return Err(wrong("no sound left the I2S".to_owned())) };
+    /// [`BoardError::NoSound`] if nothing left the I2S, and [`BoardError::LongSound`] if it is
+    /// longer than a WAV file can be.
+    pub fn wav(&self) -> Result<Vec<u8>, BoardError> {
+        let mut devices = self.devices.lock();
+        let streams = &devices.audio().streams;
+        let first = streams.first().ok_or(BoardError::NoSound)?;
         let sample_rate = first.rate.as_f64().round() as u32;
         let spec =
             hound::WavSpec { channels: 2, sample_rate, bits_per_sample: 24, sample_format: hound::SampleFormat::Int };
-        let unwritable = |error: hound::Error| wrong(format!("cannot be written: {error}"));
-        let mut writer = hound::WavWriter::create(path, spec).map_err(unwritable)?;
+        // Into memory, the encoder fails only where the file would be longer than its header can
+        // say.
+        let too_long = |_| BoardError::LongSound;
+        let mut bytes = Cursor::new(Vec::new());
+        let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(too_long)?;
         let mut written = 0_usize;
-        for stream in &streams {
+        for stream in streams {
             let begins = ((stream.start_s - first.start_s) * first.rate.as_f64()).round() as usize;
             let silence = std::iter::repeat_n([0; 2], begins.saturating_sub(written));
             for frame in silence.chain(stream.frames.iter().copied()) {
                 written += 1;
                 for sample in frame {
-                    writer.write_sample(sample >> 8).map_err(unwritable)?;
+                    writer.write_sample(sample >> 8).map_err(too_long)?;
                 }
             }
         }
-        writer.finalize().map_err(unwritable)
+        writer.finalize().map_err(too_long)?;
+        Ok(bytes.into_inner())
     }
 }
 

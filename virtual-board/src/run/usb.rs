@@ -31,6 +31,6 @@ impl VirtualBoard {
 
     /// Returns the transfers that the board has sent, from number `first` on.
     pub fn usb_received(&self, first: usize) -> Vec<UsbTransfer> {
-        self.devices.lock().usb_host.report().received.get(first..).unwrap_or_default().to_vec()
+        self.devices.lock().usb_host.received().get(first..).unwrap_or_default().to_vec()
     }
 }

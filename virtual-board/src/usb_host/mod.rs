@@ -169,8 +169,19 @@ impl Host {
         self.actions.insert(place, (at_s, action));
     }
 
-    pub(crate) fn report(&self) -> &UsbReport {
-        &self.report
+    /// Returns the report so far, in which what still waits to be sent is unsent.
+    pub(crate) fn report(&self) -> UsbReport {
+        let later = self.actions.iter().map(|(_, action)| match action {
+            UsbAction::Send(packets) => packets.len().div_ceil(TRANSFER_BYTES),
+            _ => 0,
+        });
+        let waiting = self.to_send.len() + later.sum::<usize>();
+        UsbReport { unsent: self.report.unsent + waiting as u64, ..self.report.clone() }
+    }
+
+    /// Returns the transfers that the board has sent so far.
+    pub(crate) fn received(&self) -> &[UsbTransfer] {
+        &self.report.received
     }
 
     /// Returns the time of the next event in seconds from power-on.

@@ -28,7 +28,8 @@ pub struct UsbReport {
     pub sent: Vec<UsbTransfer>,
     /// Transfers that the board sent, in order.
     pub received: Vec<UsbTransfer>,
-    /// Number of transfers that were not sent because the cable was pulled out.
+    /// Number of transfers that the board did not get: they were lost when it left the bus or its
+    /// cable was pulled out, or they still wait at the end.
     pub unsent: u64,
     /// Number of resets of the bus.
     pub resets: u64,

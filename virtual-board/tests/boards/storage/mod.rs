@@ -1,6 +1,7 @@
 //! Kits and settings in the flash of a board, which a computer sends over USB.
 
 mod deeds;
+mod page;
 mod power;
 mod refusals;
 mod settings;
