@@ -20,7 +20,7 @@ use crate::arguments::{EstimatorName, FitArguments};
 /// Figures of a recording whose strikes were fitted together.
 #[derive(Debug, Serialize)]
 pub(crate) struct StrikesReport {
-    /// Decisions that were made without asking.
+    /// Decisions that were made without asking, and doubts about Young's modulus.
     notes: Vec<String>,
     /// Events that replay the recording.
     events: PathBuf,
@@ -90,13 +90,14 @@ pub(super) fn fit_and_write(
     notes.extend(flagged(&estimate));
     let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
     let solid = arguments.bar.or(arguments.disc);
-    let (material, young_modulus_pa) = material::guess(&ringing(&estimate), &materials, solid);
+    let told = material::guess(&ringing(&estimate), &materials, solid);
+    notes.extend(told.doubts.iter().map(ToString::to_string));
     let report = StrikesReport {
         notes,
         events: events.to_owned(),
         estimate,
-        material,
-        young_modulus_pa,
+        material: told.material,
+        young_modulus_pa: told.young_modulus_pa,
         seconds: start.elapsed().as_secs_f64(),
     };
     if let Some(page) = &job.page {
