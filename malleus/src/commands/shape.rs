@@ -7,6 +7,7 @@ use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
 use ::shape::solve::{self, Geometry, HIGHEST_HZ, SolveError, Solved, Wanted};
 use ::shape::surface::Surface;
+use ::shape::table::kept_decay_per_s;
 use serde::Serialize;
 
 use super::error::CommandError;
@@ -110,7 +111,9 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
         bar.set_position(step as u64);
     });
     bar.finish_and_clear();
-    let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
+    let mut solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
+    // Report and page tell the decays that the table has.
+    solved.modes.iter_mut().for_each(|mode| mode.decay_per_s = kept_decay_per_s(mode.decay_per_s));
     // The tuned bar's own file is what its table can be made from again.
     let source = arguments.tuned.as_ref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy();
     let table = ::shape::table::of(&solved, &file, &format!("{source} (malleus shape)"), &arguments.licence);
