@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use ::fit::table::modes_within;
+use ::fit::table::{CYCLES_A_MODE, modes_within};
 use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
 use ::shape::solve::{self, Geometry, HIGHEST_HZ, SolveError, Solved, Wanted};
@@ -143,11 +143,14 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
             let range = format!("above 0 and at most {HIGHEST_HZ}, half the sample rate of boards");
             return refused("--max-hz", frequency_hz, range);
         }
-        (None, Some(cycles), _) if cycles > 0.0 && modes_within(cycles) <= MOST_MODES => {
+        (None, Some(cycles), _) if (1..=MOST_MODES).contains(&modes_within(cycles)) => {
             Wanted::Lowest(modes_within(cycles))
         }
         (None, Some(cycles), _) => {
-            let range = format!("above 0, for at most the {MOST_MODES} modes that a table holds");
+            let range = format!(
+                "at least {CYCLES_A_MODE}, the cycles a sample of one mode, and enough for at most the {MOST_MODES} modes \
+                 that a table holds"
+            );
             return refused("--budget", cycles, range);
         }
         (None, None, Some(count)) if !(1..=MOST_MODES).contains(&count) => {

@@ -145,6 +145,8 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         ("bar.toml -o t.toml --modes 0", "--modes"),
         ("bar.toml -o t.toml --modes 1000000000", "1 to 4096, as many as a table holds"),
         ("bar.toml -o t.toml --budget 1e12", "at most the 4096 modes"),
+        ("bar.toml -o t.toml --budget 9", "at least 9.42, the cycles a sample of one mode"),
+        ("bar.toml -o t.toml --budget nan", "at least 9.42"),
         ("bar.toml -o t.toml --max-hz 50", "--modes N"),
         ("bar.toml -o t.toml --max-hz 1e12", "at most 24000, half the sample rate"),
         ("bar.toml -o t.toml --max-hz nan", "--max-hz"),
