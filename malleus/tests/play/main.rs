@@ -100,6 +100,37 @@ fn direct_force_is_played_at_the_rate_of_its_file() {
 }
 
 #[test]
+fn direct_force_that_was_written_into_a_pipe_is_read_to_its_end() {
+    let folder = Folder::new();
+    let spec = hound::WavSpec {
+        channels: 2,
+        sample_rate: 48_000,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(folder.path("f.wav"), spec).unwrap();
+    (0..2000).for_each(|sample| writer.write_sample(if sample == 1000 { 30_000i16 } else { 0 }).unwrap());
+    writer.finalize().unwrap();
+    assert_eq!(folder.malleus("play --kit kit.toml --direct f.wav --pad bar -o whole.wav").status.code(), Some(0));
+    let whole = fs::read(folder.path("f.wav")).unwrap();
+    // Lengths of the file and of its data as FFmpeg, SoX and others leave them open.
+    for (file, data) in [(u32::MAX, u32::MAX), (0x7fff_f024, 0x7fff_f000), (0, 0), (u32::MAX, 0)] {
+        let mut stream = whole.clone();
+        stream[4..8].copy_from_slice(&file.to_le_bytes());
+        stream[40..44].copy_from_slice(&data.to_le_bytes());
+        // The pipe ended within a frame.
+        stream.push(0);
+        folder.write("stream.wav", &stream);
+        let output = folder.malleus("play --kit kit.toml --direct stream.wav --pad bar -o out.wav");
+        assert!(output.status.success(), "{file:x} {data:x}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(samples(&folder.path("out.wav")), samples(&folder.path("whole.wav")), "{file:x} {data:x}");
+    }
+    // A file that was cut is no stream.
+    folder.write("cut.wav", &whole[..2000]);
+    folder.refuses("play --kit kit.toml --direct cut.wav --pad bar -o no.wav", &["cut.wav", "not a readable WAV"]);
+}
+
+#[test]
 fn help_of_play_names_every_shipped_kit() {
     let help = String::from_utf8(Folder::new().malleus("play --help").stdout).unwrap();
     for name in kit::shipped_names() {
