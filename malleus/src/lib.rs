@@ -3,7 +3,7 @@
 //! The sound itself comes from `dsp-core`, the instrument that a board runs, or from `reference`,
 //! the same model in `f64`. This crate only reads, renders through one of the two, and writes.
 
-mod csv_text;
+pub mod csv_text;
 pub mod demo;
 pub mod events;
 pub mod loudness;

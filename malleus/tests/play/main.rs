@@ -75,6 +75,23 @@ fn midi_notes_strike_the_pads_that_the_kit_maps() {
 }
 
 #[test]
+fn spaces_before_quotes_and_lines_of_spaces_change_no_events() {
+    let folder = Folder::new();
+    folder.write("tight.csv", b"sample,pad,velocity,position,striker\n100,bar,1,0,stick\n24000,bar,0.25,0,stick\n");
+    folder.write(
+        "loose.csv",
+        b" \"sample\", \"pad\" ,\t\"velocity\",position, striker\r\n  \r\n100, \"bar\", 1, 0, \"stick\"\r\n\t\r\n24000,bar,\"0.25\",0,stick\r\n   ",
+    );
+    for name in ["tight", "loose"] {
+        let output = folder.malleus(&format!("play --kit kit.toml --strikes {name}.csv -o {name}.wav"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert_eq!(samples(&folder.path("tight.wav")), samples(&folder.path("loose.wav")));
+    folder.write("wrong.csv", b"sample,pad,velocity\n   \n1, \"drum\",1\n");
+    folder.refuses("play --kit kit.toml --strikes wrong.csv -o no.wav", &["line 3", "drum"]);
+}
+
+#[test]
 fn direct_force_is_played_at_the_rate_of_its_file() {
     let folder = Folder::new();
     let spec = hound::WavSpec {
