@@ -84,6 +84,13 @@ fn silence_noise_and_steady_tones_are_refused() {
     let folder = TempDir::new().expect("a folder");
     let silence = wave(&folder, "silence.wav", 44_100, &[vec![0.0; 44_100]]);
     assert!(matches!(fit(&silence), Err(FitError::Silence)));
+    let constant = fit(&wave(&folder, "constant.wav", 44_100, &[vec![0.25; 44_100]])).expect_err("no sound");
+    assert!(matches!(constant, FitError::Constant { channel: 0, .. }), "{constant}");
+    let words = constant.to_string();
+    assert!(words.contains("constant.wav: channel 0 holds the constant value 2.50e-1"), "{words}");
+    // A recording as short as this has no offset that is taken off.
+    let short = fit(&wave(&folder, "short.wav", 44_100, &[vec![-0.25; 9]]));
+    assert!(matches!(short, Err(FitError::Constant { .. })));
     let hiss = wave(&folder, "noise.wav", 44_100, &[noise(88_200, -20.0)]);
     assert!(matches!(fit(&hiss), Err(FitError::NoOnset)));
     let tone = (0..88_200).map(|n| 0.5 * (0.06 * f64::from(n)).sin()).collect();
