@@ -44,7 +44,7 @@ pub enum FitError {
         path: PathBuf,
     },
     /// The sample rate is out of range.
-    #[error("{}: the sample rate is {rate_hz} Hz: give a recording at 4000 to 768000 Hz", path.display())]
+    #[error("{}: the sample rate is {rate_hz} Hz: give a recording at 8000 to 768000 Hz", path.display())]
     Rate {
         /// Path of the file.
         path: PathBuf,

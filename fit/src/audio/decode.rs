@@ -19,8 +19,9 @@ use crate::error::FitError;
 const LONGEST_S: f64 = 120.0;
 /// Highest sample rate in Hz that is not decimated.
 const HIGHEST_RATE_HZ: u32 = 48_000;
-/// Sample rates that are accepted, in Hz.
-const RATES_HZ: std::ops::RangeInclusive<u32> = 4_000..=768_000;
+/// Sample rates that are accepted, in Hz: the instrument plays from 8000 Hz on, and rates above
+/// [`HIGHEST_RATE_HZ`] are decimated.
+const RATES_HZ: std::ops::RangeInclusive<u32> = 8_000..=768_000;
 /// Least distance of a channel's highest from its lowest value, full scale 1, and least size of one
 /// of them that is no silence.
 const LEAST_SOUND: f64 = 2e-6;

@@ -105,6 +105,17 @@ fn a_strike_cut_off_at_full_scale_is_refused() {
 }
 
 #[test]
+fn rates_that_the_instrument_does_not_play_are_refused_before_a_fit() {
+    let folder = TempDir::new().expect("a folder");
+    for rate_hz in [4_000, 7_999] {
+        let path = wave(&folder, "slow.wav", rate_hz, &[strike(f64::from(rate_hz), 0.1, 0.8)]);
+        let refusal = fit(&path).expect_err("too slow");
+        assert!(matches!(refusal, FitError::Rate { .. }), "{refusal}");
+        assert!(refusal.to_string().contains("8000 to 768000 Hz"), "{refusal}");
+    }
+}
+
+#[test]
 fn every_rate_from_8_to_192_khz_gives_the_same_modes() {
     let folder = TempDir::new().expect("a folder");
     for rate_hz in [8_000, 22_050, 44_100, 48_000, 96_000, 192_000] {

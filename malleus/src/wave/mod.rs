@@ -68,7 +68,10 @@ pub enum WaveError {
         frames: usize,
     },
     /// The file's sample rate lies outside the range of the engine.
-    #[error("{}: sample rate {rate_hz} Hz: must be from 8000 to 192000", path.display())]
+    #[error(
+        "{}: the sample rate is {rate_hz} Hz, and a force is played at the rate of its file, 8000 to 192000 Hz: resample it",
+        path.display()
+    )]
     Rate {
         /// Path of the refused file.
         path: PathBuf,
