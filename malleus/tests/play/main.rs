@@ -148,6 +148,17 @@ fn direct_force_that_was_written_into_a_pipe_is_read_to_its_end() {
 }
 
 #[test]
+fn demo_writes_sound_and_picture_or_neither_and_says_what_is_in_the_way() {
+    let folder = Folder::new();
+    folder.write("file", b"a file");
+    folder.refuses("demo --out file", &["file: cannot be made: there is a file where a folder is needed"]);
+    fs::create_dir_all(folder.path("taken/demo.png")).unwrap();
+    folder.refuses("demo --out taken", &["demo.png: cannot be written"]);
+    let left: Vec<_> = fs::read_dir(folder.path("taken")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["demo.png"]);
+}
+
+#[test]
 fn help_of_play_names_every_shipped_kit() {
     let help = String::from_utf8(Folder::new().malleus("play --help").stdout).unwrap();
     for name in kit::shipped_names() {
