@@ -14,6 +14,7 @@ use super::error::StrikesError;
 use super::fit::fit;
 use super::layout::Layout;
 use super::spline::Weights;
+use crate::clipping::Limits;
 use crate::modes::Settings;
 use crate::room::Room;
 
@@ -79,7 +80,7 @@ pub struct StrikeEstimate {
     /// A strike that stands out by 9 dB or more is not explained: it is clipped, or something else
     /// sounds.
     pub left_db: f64,
-    /// True if the sound stands still at its largest value within 20 ms of the onset.
+    /// True if the sound stands still at its highest or lowest value within 20 ms of the onset.
     pub is_clipped: bool,
 }
 
@@ -145,9 +146,9 @@ pub fn estimate(
     }
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
     estimate.room = joint.room;
-    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let limits = Limits::of(samples);
     for strike in &mut estimate.strikes {
-        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
+        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, limits);
     }
     Ok(estimate)
 }

@@ -102,6 +102,16 @@ fn a_strike_cut_off_at_full_scale_is_refused() {
     let folder = TempDir::new().expect("a folder");
     let clipped = strike(44_100.0, 0.1, 1.0).iter().map(|x| (x * 40.0).clamp(-1.0, 1.0)).collect();
     assert!(matches!(fit(&wave(&folder, "clipped.wav", 44_100, &[clipped])), Err(FitError::Clipped { .. })));
+    // An offset moves both limits, and is taken off before they are looked for.
+    let percent = |offset: f64| {
+        let raised = strike(44_100.0, 0.1, 1.0).iter().map(|x| (x * 8.0 + offset).clamp(-1.0, 1.0)).collect();
+        match fit(&wave(&folder, "raised.wav", 44_100, &[raised])) {
+            Err(FitError::Clipped { percent, .. }) => percent,
+            other => panic!("not clipped: {:?}", other.map(|fitted| fitted.report)),
+        }
+    };
+    let (plain, raised) = (percent(0.0), percent(0.1));
+    assert!((raised / plain - 1.0).abs() < 0.3, "{plain} % and {raised} % with an offset");
 }
 
 #[test]
