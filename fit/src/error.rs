@@ -44,7 +44,7 @@ pub enum FitError {
         path: PathBuf,
     },
     /// The sample rate is out of range.
-    #[error("{}: the sample rate is {rate_hz} Hz: give a recording at 4000 to 768000 Hz", path.display())]
+    #[error("{}: the sample rate is {rate_hz} Hz: give a recording at 8000 to 768000 Hz", path.display())]
     Rate {
         /// Path of the file.
         path: PathBuf,
@@ -62,6 +62,20 @@ pub enum FitError {
     /// The recording is silent.
     #[error("the recording is silent, no sample exceeds -120 dBFS: record it at a higher level")]
     Silence,
+    /// The recording holds one value throughout.
+    #[error(
+        "{}: channel {channel} holds the constant value {value:.2e} of full scale and no sound: check the microphone and \
+         its input, and record anew",
+        path.display()
+    )]
+    Constant {
+        /// Path of the file.
+        path: PathBuf,
+        /// Index of the channel, the loudest one, from 0.
+        channel: usize,
+        /// The value, full scale 1.
+        value: f64,
+    },
     /// No part of the recording rises and decays.
     #[error(
         "there is no strike: nothing rises by 12 dB above the sound before it and dies away; give a recording with a strike and its decay"

@@ -27,6 +27,7 @@ pub mod table;
 
 mod analytic;
 mod band;
+mod clipping;
 mod convolution;
 mod decay;
 mod error;

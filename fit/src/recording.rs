@@ -64,7 +64,7 @@ pub struct Report {
     pub input: PathBuf,
     /// Sample rate in Hz at which the recording was fitted.
     pub rate_hz: f64,
-    /// Decisions that were made without asking.
+    /// Decisions that were made without asking, and doubts about Young's modulus.
     pub notes: Vec<String>,
     /// Strikes in order of time.
     pub strikes: Vec<StrikeReport>,
@@ -249,12 +249,14 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         [values().reduce(f64::min).unwrap_or(0.0), values().fold(0.0, f64::max)]
     };
     let sounding = sounding(&fit);
-    let (material, young_modulus_pa) = material::guess(&material::ringing(&fit), &options.materials, options.solid);
+    let told = material::guess(&material::ringing(&fit), &options.materials, options.solid);
     let left: Vec<f64> = heard.iter().zip(&rendering).map(|(heard, given)| heard - given).collect();
     let report = Report {
         input: path.to_owned(),
         rate_hz: recording.rate_hz,
-        notes: recording.notes.iter().map(ToString::to_string).collect(),
+        notes: (recording.notes.iter().map(ToString::to_string))
+            .chain(told.doubts.iter().map(ToString::to_string))
+            .collect(),
         strikes: fit
             .strikes
             .iter()
@@ -269,8 +271,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         modes: fit.modes.len(),
         frequency_hz: range(|mode| mode.frequency_hz),
         t60_s: range(strike::Mode::t60_s),
-        material,
-        young_modulus_pa,
+        material: told.material,
+        young_modulus_pa: told.young_modulus_pa,
         lsd_db: modes_alone.lsd_db,
         lsd_reference_db: stage.distances(&by_reference).lsd_db,
         lsd_with_residual_db: with_residual.lsd_db,

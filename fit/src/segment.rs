@@ -1,6 +1,7 @@
 //! Segmentation of a recording into strikes that are heard alone.
 
 use crate::audio::{Note, Recording};
+use crate::clipping::Limits;
 use crate::error::FitError;
 
 /// One strike in a recording.
@@ -256,8 +257,8 @@ fn check_clipping(recording: &Recording, hits: &[Hit]) -> Result<(), FitError> {
     for hit in hits {
         let length = ((0.02 * recording.rate_hz) as usize).min(hit.end - hit.onset);
         let attack = &recording.samples[hit.onset..hit.onset + length];
-        let peak = attack.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        let stands = |pair: &[f64]| pair[0].abs() >= 0.9999 * peak && pair[0] == pair[1];
+        let limits = Limits::of(attack);
+        let stands = |pair: &[f64]| limits.are_reached(pair[0], 0.9999) && pair[0] == pair[1];
         let clipped = attack.windows(2).filter(|pair| stands(pair)).count();
         if clipped * 10 > attack.len() {
             let percent = 100.0 * clipped as f64 / attack.len() as f64;

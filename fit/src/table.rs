@@ -12,9 +12,9 @@ use crate::strike::Fit;
 /// It converts a budget of cycles into a number of modes.
 pub const CYCLES_A_MODE: f64 = 9.42;
 
-/// Maximum number of modes for a budget of cycles a sample; at least 1.
+/// Maximum number of modes for a budget of cycles a sample; 0 if it is less than a mode takes.
 pub fn modes_within(cycles_a_sample: f64) -> usize {
-    (cycles_a_sample / CYCLES_A_MODE).floor().max(1.0) as usize
+    (cycles_a_sample / CYCLES_A_MODE).floor() as usize
 }
 
 /// Gain of the strongest mode of a table from sound alone.

@@ -28,10 +28,16 @@ impl FileError {
         let Self { action, cause, .. } = self;
         let cause_text = cause.to_string();
         let reason = cause_text.split(" (os error").next().unwrap_or_default();
+        let is_folder_needed = matches!(cause.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory);
+        if *action == "made" && is_folder_needed {
+            return "cannot be made: there is a file where a folder is needed; give another path".to_owned();
+        }
         let advice = match (*action, cause.kind()) {
             ("read", io::ErrorKind::NotFound) => "; check its name and folder",
             ("read", io::ErrorKind::IsADirectory) => "; give a file in it",
             ("written", io::ErrorKind::NotFound) => "; make its folder first",
+            ("written", io::ErrorKind::IsADirectory) => "; give a file in it",
+            ("read" | "written", io::ErrorKind::NotADirectory) => "; what should be its folder is a file",
             _ => "",
         };
         format!("cannot be {action}: {reason}{advice}")

@@ -4,7 +4,7 @@
 //! the same model in `f64`. This crate only reads, renders through one of the two, and writes.
 
 pub mod counting;
-mod csv_text;
+pub mod csv_text;
 pub mod demo;
 pub mod events;
 pub mod loudness;

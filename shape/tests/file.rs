@@ -46,6 +46,22 @@ fn with(text: &str, behind: &str, line: &str) -> String {
 }
 
 #[test]
+fn keys_and_tables_that_every_file_needs_are_named_where_they_are_missing() {
+    let (material, thickness) = ("[material]\nname = \"steel\"\n", "thickness_m = 0.004\n");
+    for (text, named) in [
+        (PLATE.replace(material, ""), "[material] is missing; give this table the name of a material"),
+        (PLATE.replace("format = 1\n", ""), "format is missing; give format = 1"),
+        (PLATE.replacen("name = \"x\"\n", "", 1), "name is missing; give the object a name"),
+        (PLATE.replace("kind = \"plate\"\n", ""), "shape.kind is missing; give plate, sheet"),
+        (PLATE.replace(thickness, ""), "shape.thickness_m is missing"),
+        (format!("format = 1\nname = \"x\"\n{material}"), "[shape] is missing; give this table the kind"),
+    ] {
+        let message = refused(&text);
+        assert!(message.starts_with(named) && !message.contains("line 1"), "{text}{message}");
+    }
+}
+
+#[test]
 fn points_of_three_numbers_are_refused_by_their_line() {
     let message = refused(&PLATE.replace("[0.2, 0]", "[0.2, 0, 0]"));
     assert!(message.contains("line 5") && message.contains("two numbers") && message.contains("has 3"), "{message}");

@@ -181,8 +181,58 @@ fn shapes_inside_the_largest_one_are_holes() {
     assert_eq!(plate.rings.len(), 2);
     assert_eq!(plate.rings[0].len(), 4);
     assert!((plate.area() - (0.005 - PI * 25e-6)).abs() < 1e-7);
-    let ring = drawn(r#"<path d="M10 10H90V90H10Z M30 30H60V60H30Z"/>"#).unwrap();
+    let ring = drawn(r#"<path fill-rule="evenodd" d="M10 10H90V90H10Z M30 30H60V60H30Z"/>"#).unwrap();
     assert!((ring.area() - (0.0064 - 0.0009)).abs() < 1e-8);
+}
+
+#[test]
+fn subpaths_are_holes_where_the_fill_rule_leaves_them_empty() {
+    let (outer, along, against) = ("M10 10H90V90H10Z", "M30 30H60V60H30Z", "M30 30V60H60V30Z");
+    let (whole, pierced) = (0.0064, 0.0064 - 0.0009);
+    for (attributes, inner, area) in [
+        ("", along, whole),
+        ("", against, pierced),
+        (r#"fill-rule="nonzero""#, along, whole),
+        (r#"fill-rule="evenodd""#, along, pierced),
+        (r#"style="fill-rule:evenodd""#, against, pierced),
+        // A line has no rule: each ring of it is seen.
+        (r#"fill="none" stroke="black" fill-rule="nonzero""#, along, pierced),
+        // A mirror turns both rings.
+        (r#"transform="scale(-1 1)""#, along, whole),
+        (r#"transform="scale(-1 1)""#, against, pierced),
+    ] {
+        let outline = drawn(&format!(r#"<path {attributes} d="{outer} {inner}"/>"#)).unwrap();
+        assert!((outline.area() - area).abs() < 1e-8, "{attributes} {inner}: {}", outline.area());
+    }
+    // Two rings with filled parts on both sides, and one within them at which the fill ends.
+    let hole_in_ring = drawn(&format!(r#"<path d="{outer} M20 20H80V80H20Z M30 30V60H60V30Z M40 40V50H50V40Z"/>"#));
+    assert!((hole_in_ring.unwrap().area() - (whole - 0.0001)).abs() < 1e-8);
+    let crossing = drawn(&format!(r#"<path d="{outer} M80 30H100V60H80Z"/>"#));
+    assert!(matches!(crossing, Err(OutlineError::HoleTouches { .. })), "{crossing:?}");
+}
+
+#[test]
+fn clip_paths_and_masks_that_cut_a_shape_are_named() {
+    let body = r#"<rect x="10" y="10" width="100" height="60"/>"#;
+    let page = r#"<clipPath id="page"><path d="M0 0H200V200H0Z"/></clipPath>"#;
+    let bite = r#"<clipPath id="bite"><rect x="50" y="0" width="200" height="200"/></clipPath>"#;
+    let round = r#"<clipPath id="round"><circle cx="60" cy="40" r="190"/></clipPath>"#;
+    let soft = r#"<mask id="soft"><rect width="200" height="200" fill="white"/></mask>"#;
+    let cut = |attribute: &str, id: &str| {
+        drawn(&format!(
+            r#"{page}{bite}{round}{soft}<g {attribute}="url(#{id})"><g transform="scale(1.2)">{body}</g></g>"#
+        ))
+    };
+    assert!((cut("clip-path", "page").unwrap().area() - 1.44 * 0.006).abs() < 1e-8);
+    for (attribute, id) in [("clip-path", "bite"), ("clip-path", "round"), ("mask", "soft")] {
+        let error = cut(attribute, id).unwrap_err();
+        assert!(matches!(&error, OutlineError::Cut { id: found, .. } if found == id), "{error}");
+        let message = error.to_string();
+        assert!(message.contains(&format!("cut by the {attribute} \"{id}\"")), "{message}");
+    }
+    // What is left out anyway may be cut.
+    let ground = r#"<rect width="200" height="200" fill="white" clip-path="url(#bite)"/>"#;
+    assert!((drawn(&format!("{bite}{ground}{body}")).unwrap().area() - 0.006).abs() < 1e-9);
 }
 
 #[test]

@@ -19,8 +19,12 @@ use crate::error::FitError;
 const LONGEST_S: f64 = 120.0;
 /// Highest sample rate in Hz that is not decimated.
 const HIGHEST_RATE_HZ: u32 = 48_000;
-/// Sample rates that are accepted, in Hz.
-const RATES_HZ: std::ops::RangeInclusive<u32> = 4_000..=768_000;
+/// Sample rates that are accepted, in Hz: the instrument plays from 8000 Hz on, and rates above
+/// [`HIGHEST_RATE_HZ`] are decimated.
+const RATES_HZ: std::ops::RangeInclusive<u32> = 8_000..=768_000;
+/// Least distance of a channel's highest from its lowest value, full scale 1, and least size of one
+/// of them that is no silence.
+const LEAST_SOUND: f64 = 2e-6;
 
 /// Samples of all channels, as far as the file was read.
 struct Decoded {
@@ -39,7 +43,7 @@ struct Decoded {
 ///
 /// # Errors
 /// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds
-/// samples that are not finite.
+/// samples that are not finite or one value throughout.
 pub fn read(path: &Path, force_channel: Option<usize>) -> Result<Recording, FitError> {
     read_up_to(path, force_channel, LONGEST_S)
 }
@@ -70,6 +74,11 @@ pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> 
         .reduce(|best, next| if next.1 > best.1 { next } else { best })
         .ok_or_else(|| FitError::NoMicrophone { path: path.to_owned() })?
         .0;
+    let [low, high] = of(taken).map(f64::from).fold([f64::MAX, f64::MIN], |[low, high], x| [low.min(x), high.max(x)]);
+    let is_silent = low.abs().max(high.abs()) < LEAST_SOUND;
+    if high - low < LEAST_SOUND && !is_silent {
+        return Err(FitError::Constant { path: path.to_owned(), channel: taken, value: 0.5 * (low + high) });
+    }
     if channels > 1 + usize::from(force_channel.is_some()) {
         notes.push(Note::Channel { taken, channels });
     }

@@ -9,6 +9,7 @@ use super::loss::Loss;
 use super::model::{Model, Rendered};
 use super::parameters::Kind;
 use super::settings::Settings;
+use crate::clipping::Limits;
 use crate::multi_strike::{Estimate, ModeEstimate, StrikeEstimate, is_clipped};
 use crate::random::SplitMix64;
 
@@ -166,6 +167,7 @@ fn numbers(
     };
     let powers: Vec<f64> = pulses.iter().map(left).collect();
     let median = crate::score::quantile(&powers, 0.5);
+    let limits = Limits::of(samples);
     let strike = |(pulse, power): (&Pulse, &f64)| StrikeEstimate {
         at_s: pulse.onset / rate_hz,
         at_s_sd: f64::NAN,
@@ -179,7 +181,7 @@ fn numbers(
         position_sd: f64::NAN,
         striker: 0,
         left_db: 10.0 * (power / median).log10(),
-        is_clipped: is_clipped(samples, pulse.onset.max(0.0) as usize, rate_hz, unit),
+        is_clipped: is_clipped(samples, pulse.onset.max(0.0) as usize, rate_hz, limits),
     };
     Ok(Estimate {
         rate_hz,

@@ -9,6 +9,7 @@
 //! Sound alone does not know an object's size, so that Young's modulus is that of the materials
 //! that are likely: a guess with a range. [`solid`] reads it off a bar or a disc of known size.
 
+mod doubt;
 mod interval;
 mod laws;
 mod ringing;
@@ -16,6 +17,7 @@ pub mod solid;
 
 use serde::Serialize;
 
+pub use doubt::Doubt;
 pub use interval::Interval;
 pub use laws::{Kind, Material};
 use laws::{Law, MATERIALS};
@@ -67,16 +69,30 @@ pub fn named(names: &[String]) -> Result<Vec<Material>, UnknownMaterial> {
     names.iter().map(of_name).collect()
 }
 
+/// Material and Young's modulus of an object, as its modes and its size tell them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The likeliest material.
+    pub material: Option<Guess>,
+    /// Young's modulus in pascals: of the solid whose size is known, else of the likely materials.
+    pub young_modulus_pa: Option<Interval>,
+    /// Reasons to doubt the modulus of a solid whose size is known.
+    pub doubts: Vec<Doubt>,
+}
+
 /// The likeliest material of an object, and its Young's modulus in pascals: that of a solid whose
 /// size is known, else of the likely materials. `among` are those to choose from; if there are
 /// none, all that are known.
-pub fn guess(modes: &[RingingMode], among: &[Material], solid: Option<Solid>) -> (Option<Guess>, Option<Interval>) {
+pub fn guess(modes: &[RingingMode], among: &[Material], solid: Option<Solid>) -> Told {
     let identified = identify(modes, if among.is_empty() { &MATERIALS } else { among });
-    let modulus = match solid {
-        Some(solid) => solid::young_modulus_pa(modes, solid),
-        None => identified.as_ref().map(|identified| identified.young_modulus_pa),
+    let (young_modulus_pa, doubts) = match solid {
+        Some(solid) => {
+            let modulus = solid::young_modulus(modes, solid);
+            (modulus.map(|modulus| modulus.pascals), Doubt::about(modulus.as_ref(), modes, solid))
+        }
+        None => (identified.as_ref().map(|identified| identified.young_modulus_pa), Vec::new()),
     };
-    (identified.map(|identified| identified.material), modulus)
+    Told { material: identified.map(|identified| identified.material), young_modulus_pa, doubts }
 }
 
 /// Level in dB below the strongest mode from which a mode does not count.

@@ -46,33 +46,52 @@ const NEAR: f64 = 0.02;
 /// Cost of a mode of the solid that is not recorded, in units of the loudest mode's weight.
 const MISSING: f64 = 0.25;
 /// Least level in dB of a mode that counts.
-const LEAST_LEVEL_DB: f64 = -45.0;
-/// Range of Young's modulus in pascals.
-const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
+pub(super) const LEAST_LEVEL_DB: f64 = -45.0;
+/// Range in pascals in which Young's modulus is looked for.
+pub(super) const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
 /// Least standard deviation of ln E: Poisson's ratio, thickness and ends are not exactly known.
 const LEAST_SPREAD: f64 = 0.01;
 
-/// Young's modulus in pascals of a solid whose modes are recorded, with its range.
+/// Young's modulus that the modes of a solid tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modulus {
+    /// Young's modulus in pascals.
+    pub pascals: Interval,
+    /// Number of recorded modes that stand where one of the solid's does.
+    pub modes: usize,
+    /// Share of the energy of all recorded modes that they have, 0 to 1.
+    pub share: f64,
+}
+
+/// A recorded mode beside one of the solid.
+struct Match<'a> {
+    /// Frequency over the number of the solid's mode, in Hz.
+    scale: f64,
+    weight: f64,
+    mode: &'a RingingMode,
+}
+
+/// Young's modulus of a solid whose modes are recorded, with its range.
 ///
 /// Bars are those of Timoshenko with a Poisson's ratio of 0.3. Within 3 % for bars up to a
 /// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
 /// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
-pub fn young_modulus_pa(modes: &[RingingMode], solid: Solid) -> Option<Interval> {
+pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
     let series = series(solid);
     let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();
     let highest_hz = heard.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
     let weight = |mode: &RingingMode| 10f64.powf(mode.level_db / 40.0);
     // Frequencies are `scale` times the numbers of the series.
-    let matched = |scale: f64| -> (f64, Vec<(f64, f64)>) {
+    let matched = |scale: f64| -> (f64, Vec<Match<'_>>) {
         let (mut score, mut found) = (0.0, Vec::new());
         for number in series.iter().filter(|number| *number * scale < highest_hz * (1.0 + NEAR)) {
             let off = |mode: &RingingMode| (mode.frequency_hz / (number * scale)).ln();
             let worth = |mode: &RingingMode| weight(mode) * (1.0 - (off(mode) / NEAR).powi(2));
-            let near = heard.iter().filter(|mode| off(mode).abs() < NEAR);
+            let near = heard.iter().copied().filter(|mode| off(mode).abs() < NEAR);
             match near.max_by(|a, b| worth(a).total_cmp(&worth(b))) {
                 Some(mode) => {
                     score += worth(mode);
-                    found.push((mode.frequency_hz / number, weight(mode)));
+                    found.push(Match { scale: mode.frequency_hz / number, weight: weight(mode), mode });
                 }
                 None => score -= MISSING,
             }
@@ -81,14 +100,20 @@ pub fn young_modulus_pa(modes: &[RingingMode], solid: Solid) -> Option<Interval>
     };
     let scales = heard.iter().flat_map(|mode| series.iter().take(FIRST).map(|number| mode.frequency_hz / number));
     let possible = scales.filter(|scale| MODULI_PA.contains(&modulus(solid, *scale)));
-    let best = possible.map(matched).filter(|(_, found)| !found.is_empty()).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let weights: f64 = best.1.iter().map(|(_, weight)| weight).sum();
-    let mean = best.1.iter().map(|(scale, weight)| weight * scale.ln()).sum::<f64>() / weights;
-    let variance = best.1.iter().map(|(scale, weight)| weight * (scale.ln() - mean).powi(2)).sum::<f64>() / weights;
+    let best = possible.map(matched).filter(|(_, found)| !found.is_empty()).max_by(|a, b| a.0.total_cmp(&b.0))?.1;
+    let weights: f64 = best.iter().map(|found| found.weight).sum();
+    let mean = best.iter().map(|found| found.weight * found.scale.ln()).sum::<f64>() / weights;
+    let variance = best.iter().map(|found| found.weight * (found.scale.ln() - mean).powi(2)).sum::<f64>() / weights;
     // E grows as the square of the frequencies.
-    let spread = 1.645 * (4.0 * variance / best.1.len() as f64).sqrt().max(LEAST_SPREAD);
+    let spread = 1.645 * (4.0 * variance / best.len() as f64).sqrt().max(LEAST_SPREAD);
     let estimate = modulus(solid, mean.exp());
-    Some(Interval { estimate, low: estimate * (-spread).exp(), high: estimate * spread.exp() })
+    let energy = |mode: &RingingMode| 10f64.powf(mode.level_db / 10.0);
+    Some(Modulus {
+        pascals: Interval { estimate, low: estimate * (-spread).exp(), high: estimate * spread.exp() },
+        modes: best.len(),
+        share: best.iter().map(|found| energy(found.mode)).sum::<f64>()
+            / heard.iter().copied().map(energy).sum::<f64>(),
+    })
 }
 
 /// Young's modulus at which a solid's frequencies are `scale` times its series.
@@ -232,7 +257,7 @@ mod tests {
             // Modes of other kinds, torsion or bending sideways.
             let first_hz = modes[0].frequency_hz;
             modes.extend(ringing(&[first_hz * 1.63, first_hz * 3.9, first_hz * 6.6], &[-9.0, -12.0, -6.0]));
-            let found = young_modulus_pa(&modes, Solid::Bar { length_m, height_m, density }).expect("a bar");
+            let found = young_modulus(&modes, Solid::Bar { length_m, height_m, density }).expect("a bar").pascals;
             println!("E {young:e} Pa: {:.2} % off", 100.0 * (found.estimate / young - 1.0));
             assert!((found.estimate / young - 1.0).abs() < 0.03, "{young} {found:?}");
         }
@@ -243,7 +268,7 @@ mod tests {
         let frequencies = bar_hz(0.3, 0.006, 7850.0, 2.0e11, 0.29, 4);
         let modes = ringing(&frequencies[1..], &[0.0, -2.0, -5.0]);
         let bar = Solid::Bar { length_m: 0.3, height_m: 0.006, density: 7850.0 };
-        let found = young_modulus_pa(&modes, bar).expect("a bar");
+        let found = young_modulus(&modes, bar).expect("a bar").pascals;
         assert!((found.estimate / 2.0e11 - 1.0).abs() < 0.03, "{found:?}");
     }
 
@@ -252,8 +277,8 @@ mod tests {
         let disc = Solid::Disc { radius_m: 0.1, height_m: 0.004, density: 2600.0 };
         let scale = 0.004 / (TAU * 0.01) * (6.2e10f64 / (12.0 * 2600.0 * (1.0 - 0.3 * 0.3))).sqrt();
         let modes = ringing(&DISC.map(|number| number * scale), &[0.0, -6.0, -3.0, -9.0, -8.0, -20.0, -15.0, -30.0]);
-        let found = young_modulus_pa(&modes, disc).expect("a disc");
+        let found = young_modulus(&modes, disc).expect("a disc").pascals;
         assert!((found.estimate / 6.2e10 - 1.0).abs() < 1e-6 && found.low < 6.2e10 && found.high > 6.2e10);
-        assert_eq!(young_modulus_pa(&[], disc), None);
+        assert_eq!(young_modulus(&[], disc), None);
     }
 }

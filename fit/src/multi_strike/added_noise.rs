@@ -15,12 +15,25 @@ const ADDED: f64 = 2.5e-4;
 /// Seed of the noise, so that equal recordings give equal fits.
 const SEED: u64 = 1;
 
+/// White noise that is drawn anew each time, so that it takes no memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct AddedNoise {
+    rms: f64,
+}
+
+impl AddedNoise {
+    /// Adds the noise times a factor to samples; it is the same each time.
+    pub(super) fn add_to(self, samples: &mut [f64], factor: f64) {
+        let mut random = SplitMix64(SEED);
+        samples.iter_mut().for_each(|x| *x += factor * self.rms * random.normal());
+    }
+}
+
 /// Noise to be added to a recording before it is fitted; `None` if its own is loud enough.
-pub(super) fn added_noise(samples: &[f64], rate_hz: f64) -> Option<Vec<f64>> {
+pub(super) fn added_noise(samples: &[f64], rate_hz: f64) -> Option<AddedNoise> {
     let peak = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let is_loud = quietest_db(samples, rate_hz)? - 20.0 * peak.log10() > LEAST_DB;
-    let mut random = SplitMix64(SEED);
-    (!is_loud).then(|| samples.iter().map(|_| ADDED * peak * random.normal()).collect())
+    (!is_loud).then_some(AddedNoise { rms: ADDED * peak })
 }
 
 #[cfg(test)]
@@ -39,5 +52,20 @@ mod tests {
             assert!(noise(-120.0).is_some() && noise(-200.0).is_some());
         }
         assert!(added_noise(&[0.0; 9_000], 44_100.0).is_none() && added_noise(&[0.5; 9], 44_100.0).is_none());
+    }
+
+    #[test]
+    fn noise_lies_72_db_below_the_peak_and_can_be_taken_off_again() {
+        let sound = plain(1, 3.0, 5, -200.0);
+        let noise = added_noise(&sound.samples, sound.rate_hz).expect("the recording has none");
+        let peak = sound.samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let mut samples = sound.samples.clone();
+        let off = |samples: &[f64]| -> Vec<f64> { samples.iter().zip(&sound.samples).map(|(x, y)| x - y).collect() };
+        noise.add_to(&mut samples, 1.0);
+        let added = off(&samples);
+        let rms = (added.iter().map(|x| x * x).sum::<f64>() / added.len() as f64).sqrt();
+        assert!((20.0 * (rms / peak).log10() + 72.04).abs() < 0.1, "{rms} {peak}");
+        noise.add_to(&mut samples, -1.0);
+        assert!(off(&samples).iter().all(|x| x.abs() < 1e-15 * peak.max(1.0)));
     }
 }

@@ -14,6 +14,7 @@ use super::error::StrikesError;
 use super::fit::fit;
 use super::layout::Layout;
 use super::spline::Weights;
+use crate::clipping::Limits;
 use crate::modes::Settings;
 use crate::room::Room;
 
@@ -79,7 +80,7 @@ pub struct StrikeEstimate {
     /// A strike that stands out by 9 dB or more is not explained: it is clipped, or something else
     /// sounds.
     pub left_db: f64,
-    /// True if the sound stands still at its largest value within 20 ms of the onset.
+    /// True if the sound stands still at its highest or lowest value within 20 ms of the onset.
     pub is_clipped: bool,
 }
 
@@ -128,6 +129,36 @@ pub fn estimate(
     layout: Layout,
     told: impl Fn(f64),
 ) -> Result<Estimate, StrikesError> {
+    of_samples(&mut Cow::Borrowed(samples), rate_hz, settings, layout, told)
+}
+
+/// Fits all strikes of a recording as [`estimate`] does, without a copy of its samples.
+///
+/// If noise is added, it is added to the samples themselves and taken off afterwards: they are then
+/// what they were but for rounding, at most 1e-15.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_in_place(
+    samples: &mut Vec<f64>,
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: impl Fn(f64),
+) -> Result<Estimate, StrikesError> {
+    let mut owned = Cow::Owned(std::mem::take(samples));
+    let estimate = of_samples(&mut owned, rate_hz, settings, layout, told);
+    *samples = owned.into_owned();
+    estimate
+}
+
+fn of_samples(
+    samples: &mut Cow<'_, [f64]>,
+    rate_hz: f64,
+    settings: Settings,
+    layout: Layout,
+    told: impl Fn(f64),
+) -> Result<Estimate, StrikesError> {
     // A fit in a room that is given up begins anew.
     let furthest = Cell::new(0.0);
     let told = |share: f64| {
@@ -135,19 +166,22 @@ pub fn estimate(
         told(furthest.get());
     };
     let noise = added_noise(samples, rate_hz);
-    let noisy: Cow<'_, [f64]> = match &noise {
-        Some(noise) => samples.iter().zip(noise).map(|(x, noise)| x + noise).collect(),
-        None => Cow::Borrowed(samples),
-    };
-    let mut joint = fit(&noisy, rate_hz, settings, layout, &told)?;
-    for (left, noise) in joint.fitted.residual.iter_mut().zip(noise.iter().flatten()) {
-        *left -= noise;
+    if let Some(noise) = noise {
+        noise.add_to(samples.to_mut(), 1.0);
+    }
+    let joint = fit(samples, rate_hz, settings, layout, &told);
+    if let Some(noise) = noise {
+        noise.add_to(samples.to_mut(), -1.0);
+    }
+    let mut joint = joint?;
+    if let Some(noise) = noise {
+        noise.add_to(&mut joint.fitted.residual, -1.0);
     }
     let mut estimate = of_fit(joint.fitted, &joint.deviations, rate_hz);
     estimate.room = joint.room;
-    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let limits = Limits::of(samples);
     for strike in &mut estimate.strikes {
-        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
+        strike.is_clipped = is_clipped(samples, (strike.at_s * rate_hz).max(0.0) as usize, rate_hz, limits);
     }
     Ok(estimate)
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::synthetic::{StruckOften, plain};
-use super::{Estimate, Layout, StrikesError, estimate};
+use super::{Estimate, Layout, StrikesError, estimate, estimate_in_place};
 use crate::modes::Settings;
 use crate::random::SplitMix64;
 
@@ -134,4 +134,15 @@ fn strikes_without_any_noise_are_found_whole_and_leave_next_to_nothing() {
     let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
     assert_eq!((found(&sound, &fit), fit.modes.len() <= sound.modes.len()), ((5, 5), true));
     assert!(fit.left_dbfs < -95.0, "{} dBFS are left", fit.left_dbfs);
+}
+
+#[test]
+fn noiseless_recording_fitted_in_place_gives_the_same_fit_and_comes_back() {
+    let sound = plain(8, 3.0, 5, -200.0);
+    let copied = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
+    let mut samples = sound.samples.clone();
+    let in_place = estimate_in_place(&mut samples, sound.rate_hz, Settings::default(), Layout::default(), |_| {});
+    let in_place = in_place.expect("strikes are told");
+    assert_eq!((copied.strikes, copied.modes), (in_place.strikes, in_place.modes));
+    assert!(samples.iter().zip(&sound.samples).all(|(x, y)| (x - y).abs() < 1e-15));
 }

@@ -58,7 +58,7 @@ mod zeros;
 
 pub(crate) use clipping::is_clipped;
 pub use error::StrikesError;
-pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate};
+pub use estimate::{Estimate, ModeEstimate, StrikeEstimate, estimate, estimate_in_place};
 pub use layout::Layout;
 pub use table::{events, table};
 pub use truth::cramer_rao;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::clipping::Limits;
 use crate::material::RingingMode;
 use crate::multi_strike::is_clipped;
 
@@ -40,11 +41,11 @@ pub struct Blow {
     pub level_db: f64,
 }
 
-/// Onsets in seconds of the blows at which a recording is clipped: it stands still at its largest
-/// value.
+/// Onsets in seconds of the blows at which a recording is clipped: it stands still at its highest
+/// or lowest value.
 pub fn clipped_at_s(samples: &[f64], rate_hz: f64, blows: &[Blow]) -> Vec<f64> {
-    let largest = samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let is_clipped = |at_s: &f64| is_clipped(samples, (at_s * rate_hz).max(0.0) as usize, rate_hz, largest);
+    let limits = Limits::of(samples);
+    let is_clipped = |at_s: &f64| is_clipped(samples, (at_s * rate_hz).max(0.0) as usize, rate_hz, limits);
     blows.iter().map(|blow| blow.at_s).filter(is_clipped).collect()
 }
 

@@ -84,6 +84,13 @@ fn silence_noise_and_steady_tones_are_refused() {
     let folder = TempDir::new().expect("a folder");
     let silence = wave(&folder, "silence.wav", 44_100, &[vec![0.0; 44_100]]);
     assert!(matches!(fit(&silence), Err(FitError::Silence)));
+    let constant = fit(&wave(&folder, "constant.wav", 44_100, &[vec![0.25; 44_100]])).expect_err("no sound");
+    assert!(matches!(constant, FitError::Constant { channel: 0, .. }), "{constant}");
+    let words = constant.to_string();
+    assert!(words.contains("constant.wav: channel 0 holds the constant value 2.50e-1"), "{words}");
+    // A recording as short as this has no offset that is taken off.
+    let short = fit(&wave(&folder, "short.wav", 44_100, &[vec![-0.25; 9]]));
+    assert!(matches!(short, Err(FitError::Constant { .. })));
     let hiss = wave(&folder, "noise.wav", 44_100, &[noise(88_200, -20.0)]);
     assert!(matches!(fit(&hiss), Err(FitError::NoOnset)));
     let tone = (0..88_200).map(|n| 0.5 * (0.06 * f64::from(n)).sin()).collect();
@@ -95,6 +102,27 @@ fn a_strike_cut_off_at_full_scale_is_refused() {
     let folder = TempDir::new().expect("a folder");
     let clipped = strike(44_100.0, 0.1, 1.0).iter().map(|x| (x * 40.0).clamp(-1.0, 1.0)).collect();
     assert!(matches!(fit(&wave(&folder, "clipped.wav", 44_100, &[clipped])), Err(FitError::Clipped { .. })));
+    // An offset moves both limits, and is taken off before they are looked for.
+    let percent = |offset: f64| {
+        let raised = strike(44_100.0, 0.1, 1.0).iter().map(|x| (x * 8.0 + offset).clamp(-1.0, 1.0)).collect();
+        match fit(&wave(&folder, "raised.wav", 44_100, &[raised])) {
+            Err(FitError::Clipped { percent, .. }) => percent,
+            other => panic!("not clipped: {:?}", other.map(|fitted| fitted.report)),
+        }
+    };
+    let (plain, raised) = (percent(0.0), percent(0.1));
+    assert!((raised / plain - 1.0).abs() < 0.3, "{plain} % and {raised} % with an offset");
+}
+
+#[test]
+fn rates_that_the_instrument_does_not_play_are_refused_before_a_fit() {
+    let folder = TempDir::new().expect("a folder");
+    for rate_hz in [4_000, 7_999] {
+        let path = wave(&folder, "slow.wav", rate_hz, &[strike(f64::from(rate_hz), 0.1, 0.8)]);
+        let refusal = fit(&path).expect_err("too slow");
+        assert!(matches!(refusal, FitError::Rate { .. }), "{refusal}");
+        assert!(refusal.to_string().contains("8000 to 768000 Hz"), "{refusal}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ use zerocopy::{Immutable, IntoBytes};
 
 use crate::content::Kit;
 use crate::error::{Fault, KitError};
+use crate::name::item_name;
 
 /// Kit whose sections are built.
 pub(super) struct Build<'a> {
@@ -61,11 +62,12 @@ impl Build<'_> {
     /// Bytes of a name, padded with zeros.
     ///
     /// A name that is too long or holds a zero is refused here, because the bytes would not show
-    /// it. The reader checks all other rules.
+    /// it. All other rules are checked here, too, and not by the reader alone: a name that no kit
+    /// may have would else be suggested for one that does not exist.
     pub(super) fn name(&self, place: Place, name: &str) -> Result<[u8; NAME_BYTES], KitError> {
         let mut padded = [0; NAME_BYTES];
         match padded.get_mut(..name.len()) {
-            Some(start) if !name.contains('\0') => start.copy_from_slice(name.as_bytes()),
+            Some(start) if item_name(name, "") == name => start.copy_from_slice(name.as_bytes()),
             _ => return Err(self.fault(place, Fault::Table(TableError::BadName { place }))),
         }
         Ok(padded)

@@ -135,6 +135,12 @@ fn unknown_name_is_refused_with_the_known_ones() {
 }
 
 #[test]
+fn name_that_no_kit_may_have_is_refused_before_it_is_suggested() {
+    let message = sample::parse(&TEXT.replacen("name = \"bar\"", "name = \"bär\"", 1)).expect_err("wrong").to_string();
+    assert!(message.contains("object 0 \"bär\": name must be 1 to 24 printable ASCII characters"), "{message}");
+}
+
+#[test]
 fn name_that_is_given_twice_is_refused_with_both_places() {
     let again = "\n[[object]]\nname = \"bar\"\nmodes = []\n";
     let message = sample::parse(&format!("{TEXT}{again}")).expect_err("twice").to_string();

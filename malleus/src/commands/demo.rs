@@ -29,6 +29,8 @@ pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     std::fs::create_dir_all(&arguments.out).map_err(|cause| {
         CommandError::File(kit::file::FileError { action: "made", path: arguments.out.clone(), cause })
     })?;
+    let [sound, picture] = ["demo.wav", "demo.png"].map(|name| arguments.out.join(name));
+    [&sound, &picture].into_iter().try_for_each(|path| kit::file::check_writable(path))?;
     let bar = progress(2 + loaded.kit.pads.len() as u64, "demo");
 
     let started = Instant::now();
@@ -38,12 +40,10 @@ pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     })
     .map_err(refused)?;
     let render_s = started.elapsed().as_secs_f64();
-    let sound = arguments.out.join("demo.wav");
-    wave::write_stereo(&sound, RATE, &frames)?;
+    let sound_bytes = wave::stereo_bytes(&sound, RATE, &frames)?;
     bar.inc(1);
-
-    let picture = arguments.out.join("demo.png");
-    draw(&picture, &loaded, &performance, &frames, &ticks)?;
+    let picture_bytes = draw(&picture, &loaded, &performance, &frames, &ticks)?;
+    kit::file::write_together(&[(&sound, &sound_bytes), (&picture, &picture_bytes)])?;
     bar.inc(1);
 
     let mut rows = Vec::new();
@@ -186,13 +186,14 @@ fn t60_range(kit: &kit::Kit, pad: usize) -> (f64, f64) {
     t60.fold((f64::INFINITY, 0.0), |(shortest, longest): (f64, f64), t60| (shortest.min(t60), longest.max(t60)))
 }
 
+/// Draws the piece for the PNG file at a path.
 fn draw(
     path: &Path,
     loaded: &Loaded,
     performance: &Performance,
     frames: &[[i32; 2]],
     ticks: &[TickReport],
-) -> Result<(), CommandError> {
+) -> Result<Vec<u8>, CommandError> {
     let channel = |side: usize| -> Vec<f32> {
         frames.iter().map(|frame| frame[side] as f32 / FULL_SCALE_24_BIT as f32).collect()
     };
@@ -211,7 +212,7 @@ fn draw(
     let built =
         ticks.first().map_or(0, |tick| tick.run_mode_frames() + tick.decayed_mode_frames + tick.unstruck_mode_frames);
     let rows: Vec<TickRow> = ticks.iter().map(tick_row).collect();
-    plot::performance(
+    let bytes = plot::performance_png(
         path,
         &plot::Performance {
             title: "malleus demo",
@@ -225,7 +226,7 @@ fn draw(
             strikes: &strikes,
         },
     )?;
-    Ok(())
+    Ok(bytes)
 }
 
 fn tick_row(report: &TickReport) -> TickRow {

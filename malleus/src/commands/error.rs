@@ -95,6 +95,11 @@ pub(crate) enum CommandError {
     Log { error: ::kit::file::FileError },
     #[error("{}: one table cannot hold {inputs} recordings; give -o a folder", output.display())]
     OneTable { output: PathBuf, inputs: usize },
+    #[error(
+        "{}: is a file, and no table to write: give -o a .toml file, or a folder for a table of each recording",
+        output.display()
+    )]
+    NoTable { output: PathBuf },
     #[error("--render takes one recording at a time, not {inputs}; fit them one by one")]
     OneRendering { inputs: usize },
     #[error("--events writes the strikes of one recording, and {inputs} are given: fit that one alone")]

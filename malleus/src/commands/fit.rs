@@ -52,6 +52,9 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     if one_file && arguments.input.len() > 1 {
         return Err(CommandError::OneTable { output: arguments.output.clone(), inputs: arguments.input.len() });
     }
+    if !one_file && arguments.output.is_file() {
+        return Err(CommandError::NoTable { output: arguments.output.clone() });
+    }
     if arguments.render.is_some() && arguments.input.len() > 1 {
         return Err(CommandError::OneRendering { inputs: arguments.input.len() });
     }

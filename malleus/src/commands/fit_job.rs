@@ -27,6 +27,7 @@ pub(super) fn with_file(input: &Path, error: FitError) -> String {
         | FitError::Channel { .. }
         | FitError::NoMicrophone { .. }
         | FitError::Rate { .. }
+        | FitError::Constant { .. }
         | FitError::NotFinite { .. } => error.to_string(),
         other => format!("{}: {other}", input.display()),
     }

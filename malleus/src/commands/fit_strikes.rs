@@ -20,7 +20,7 @@ use crate::arguments::{EstimatorName, FitArguments};
 /// Figures of a recording whose strikes were fitted together.
 #[derive(Debug, Serialize)]
 pub(crate) struct StrikesReport {
-    /// Decisions that were made without asking.
+    /// Decisions that were made without asking, and doubts about Young's modulus.
     notes: Vec<String>,
     /// Events that replay the recording.
     events: PathBuf,
@@ -51,7 +51,7 @@ pub(super) fn fit_and_write(
         EstimatorName::Modal => audio::read_up_to(&job.input, None, multi_strike::LONGEST_S),
         EstimatorName::Bins | EstimatorName::Descent => audio::read(&job.input, None),
     };
-    let recording = recording.map_err(|error| with_file(&job.input, error))?;
+    let mut recording = recording.map_err(|error| with_file(&job.input, error))?;
     let told = |share: f64| bar.set_position((share * STEPS as f64) as u64);
     let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", job.input.display());
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
@@ -64,7 +64,8 @@ pub(super) fn fit_and_write(
             settings.most_modes = arguments.modes.unwrap_or(settings.most_modes);
             let layout =
                 Layout { positions: usize::from(arguments.positions), strikers: usize::from(arguments.strikers) };
-            let estimate = multi_strike::estimate(&recording.samples, recording.rate_hz, settings, layout, told)
+            let rate_hz = recording.rate_hz;
+            let estimate = multi_strike::estimate_in_place(&mut recording.samples, rate_hz, settings, layout, told)
                 .map_err(|error| of_file(&error))?;
             (estimate, JOINT)
         }
@@ -90,13 +91,14 @@ pub(super) fn fit_and_write(
     notes.extend(flagged(&estimate));
     let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
     let solid = arguments.bar.or(arguments.disc);
-    let (material, young_modulus_pa) = material::guess(&ringing(&estimate), &materials, solid);
+    let told = material::guess(&ringing(&estimate), &materials, solid);
+    notes.extend(told.doubts.iter().map(ToString::to_string));
     let report = StrikesReport {
         notes,
         events: events.to_owned(),
         estimate,
-        material,
-        young_modulus_pa,
+        material: told.material,
+        young_modulus_pa: told.young_modulus_pa,
         seconds: start.elapsed().as_secs_f64(),
     };
     if let Some(page) = &job.page {

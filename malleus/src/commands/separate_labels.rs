@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use malleus::csv_text;
+
 /// Columns of the file, in any order.
 const COLUMNS: [&str; 3] = ["recording", "object", "striker"];
 
@@ -43,11 +45,12 @@ pub(super) struct Labels {
 /// # Errors
 /// [`LabelsError`] for the first line that is wrong, and for a recording without label.
 pub(super) fn parse(bytes: &[u8], path: &Path, recordings: &[PathBuf]) -> Result<Labels, LabelsError> {
-    let mut reader = ::csv::ReaderBuilder::new().trim(::csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let bytes = &csv_text::tidied(bytes)[..];
+    let mut reader = csv_text::reader(bytes);
     let path = || path.to_owned();
     let not_csv = |error: &::csv::Error| LabelsError::NotCsv {
         path: path(),
-        line: error.position().map_or(1, ::csv::Position::line),
+        line: error.position().map_or(1, |position| csv_text::line_at(position, bytes)),
     };
     let header = reader.headers().map_err(|error| not_csv(&error))?.clone();
     let mut places = [0; 3];
@@ -58,7 +61,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path, recordings: &[PathBuf]) -> Result
     let mut of_recording: Vec<Option<[String; 2]>> = vec![None; recordings.len()];
     for record in reader.records() {
         let record = record.map_err(|error| not_csv(&error))?;
-        let line = record.position().map_or(0, ::csv::Position::line);
+        let line = record.position().map_or(0, |position| csv_text::line_at(position, bytes));
         let mut fields = [""; 3];
         for ((field, place), column) in fields.iter_mut().zip(places).zip(COLUMNS) {
             *field = record.get(place).unwrap_or_default();
@@ -131,6 +134,14 @@ mod tests {
     }
 
     #[test]
+    fn spaces_before_quotes_and_lines_of_spaces_change_no_label() {
+        let tight = "recording,object,striker\none,\"a mug, blue\",fork\na/two.wav,cup,fork\nb/two.wav,cup,spoon\n";
+        let loose = tight.replace(',', ", ").replace("\"a mug, ", "\"a mug,").replace('\n', "\n   \n");
+        assert!(loose.contains(", \"a mug"), "{loose}");
+        assert_eq!(labels(&loose).expect("valid labels"), labels(tight).expect("valid labels"));
+    }
+
+    #[test]
     fn labels_that_are_wrong_are_refused_with_their_line() {
         let head = "recording,object,striker\n";
         for (text, expected) in [
@@ -140,6 +151,7 @@ mod tests {
             (&format!("{head}one,mug,fork\none.wav,mug,fork\n"), "line 3 names \"one.wav\" again"),
             (&format!("{head}one,,fork\n"), "line 2: the field \"object\" is empty"),
             (&format!("{head}one,mug\n"), "line 2 cannot be read as CSV"),
+            (&format!("{head}\n# two\n \none,,fork\n"), "line 5: the field \"object\" is empty"),
             (&format!("{head}one,mug,fork\na/two.wav,cup,fork\n"), "b/two.wav: it has no label"),
         ] {
             let error = labels(text).expect_err(text);

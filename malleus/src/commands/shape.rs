@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use ::fit::table::modes_within;
+use ::fit::table::{CYCLES_A_MODE, modes_within};
 use ::shape::file::{FileError, ShapeFile};
 use ::shape::outline::Outline;
 use ::shape::solve::{self, Geometry, HIGHEST_HZ, SolveError, Solved, Wanted};
 use ::shape::surface::Surface;
+use ::shape::table::kept_decay_per_s;
 use serde::Serialize;
 
 use super::error::CommandError;
@@ -110,7 +111,9 @@ pub(crate) fn run(arguments: &ShapeArguments) -> Result<(), CommandError> {
         bar.set_position(step as u64);
     });
     bar.finish_and_clear();
-    let solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
+    let mut solved = solved.map_err(|error| ShapeError::Solve { path: input.clone(), error })?;
+    // Report and page tell the decays that the table has.
+    solved.modes.iter_mut().for_each(|mode| mode.decay_per_s = kept_decay_per_s(mode.decay_per_s));
     // The tuned bar's own file is what its table can be made from again.
     let source = arguments.tuned.as_ref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy();
     let table = ::shape::table::of(&solved, &file, &format!("{source} (malleus shape)"), &arguments.licence);
@@ -140,11 +143,14 @@ fn wanted(arguments: &ShapeArguments) -> Result<Wanted, ShapeError> {
             let range = format!("above 0 and at most {HIGHEST_HZ}, half the sample rate of boards");
             return refused("--max-hz", frequency_hz, range);
         }
-        (None, Some(cycles), _) if cycles > 0.0 && modes_within(cycles) <= MOST_MODES => {
+        (None, Some(cycles), _) if (1..=MOST_MODES).contains(&modes_within(cycles)) => {
             Wanted::Lowest(modes_within(cycles))
         }
         (None, Some(cycles), _) => {
-            let range = format!("above 0, for at most the {MOST_MODES} modes that a table holds");
+            let range = format!(
+                "at least {CYCLES_A_MODE}, the cycles a sample of one mode, and enough for at most the {MOST_MODES} modes \
+                 that a table holds"
+            );
             return refused("--budget", cycles, range);
         }
         (None, None, Some(count)) if !(1..=MOST_MODES).contains(&count) => {

@@ -32,6 +32,7 @@ const ALL_BUT_FIRST: &str = "shed all but first";
 /// line, column and value and the values that are allowed there.
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<EventList, EventsFault> {
     csv_text::check_text(bytes)?;
+    let bytes = &csv_text::tidied(bytes)[..];
     let mut reader = csv_text::reader(bytes);
     let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error, bytes))?)?;
     let (mut list, mut last) = (EventList::default(), None);

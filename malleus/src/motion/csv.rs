@@ -34,6 +34,7 @@ const MOST_TIME_S: f64 = 1e6;
 /// [`MotionFault`] for the first thing that is wrong.
 pub fn parse(bytes: &[u8], kit: &Kit<'_>, rate: SampleRate) -> Result<Motion, MotionFault> {
     csv_text::check_text(bytes)?;
+    let bytes = &csv_text::tidied(bytes)[..];
     let mut reader = csv_text::reader(bytes);
     let columns = columns(reader.headers().map_err(|error| csv_text::of_reader(&error, bytes))?)?;
     let mut builder = Builder::default();

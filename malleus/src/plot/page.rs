@@ -15,8 +15,12 @@ pub(super) fn blank(path: &Path, width: u32, height: u32) -> Result<Canvas, Plot
 
 /// Writes a page to the file at `path` as PNG with 8 bits per colour.
 pub(super) fn write(path: &Path, canvas: &Canvas) -> Result<(), PlotError> {
-    let bytes = encode(canvas).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })?;
-    Ok(kit::file::write_whole(path, &bytes)?)
+    Ok(kit::file::write_whole(path, &png(path, canvas)?)?)
+}
+
+/// Bytes of a page as a PNG file with 8 bits per colour, for the file at `path`.
+pub(super) fn png(path: &Path, canvas: &Canvas) -> Result<Vec<u8>, PlotError> {
+    encode(canvas).map_err(|cause| PlotError::Encoding { path: path.to_owned(), cause })
 }
 
 fn encode(canvas: &Canvas) -> Result<Vec<u8>, png::EncodingError> {

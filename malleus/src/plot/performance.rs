@@ -70,11 +70,12 @@ const PLOT_WIDTH: f32 = 1370.0;
 const LANE_PX: f32 = 17.0;
 const GAP_PX: f32 = 42.0;
 
-/// Draws a performance into a PNG file, 1600 pixels wide and about 1300 high.
+/// Draws a performance and gives the bytes of a PNG file for `path`, 1600 pixels wide and about
+/// 1300 high.
 ///
 /// # Errors
 /// [`PlotError`] with the path of the file, also for a performance without samples.
-pub fn performance(path: &Path, performance: &Performance<'_>) -> Result<(), PlotError> {
+pub fn performance_png(path: &Path, performance: &Performance<'_>) -> Result<Vec<u8>, PlotError> {
     let frames = performance.left.len().min(performance.right.len());
     if frames == 0 {
         return Err(PlotError::Nothing { path: path.to_owned(), what: "sample" });
@@ -104,7 +105,7 @@ pub fn performance(path: &Path, performance: &Performance<'_>) -> Result<(), Plo
     let last = draw_stages(&mut canvas, areas[4], time, performance);
     last.ticks_below(&mut canvas, &time.time_ticks(PLOT_WIDTH, 90.0));
     last.label_below(&mut canvas, if in_minutes(duration_s) { "time (min:s)" } else { "time (s)" });
-    page::write(path, &canvas)
+    page::png(path, &canvas)
 }
 
 /// Draws one lane per pad with a line for each strike, as high as its velocity.

@@ -1,5 +1,7 @@
 //! WAV files: forces are read, and sounds are written as 24-bit stereo or 32-bit float mono.
 
+mod stream;
+
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +68,10 @@ pub enum WaveError {
         frames: usize,
     },
     /// The file's sample rate lies outside the range of the engine.
-    #[error("{}: sample rate {rate_hz} Hz: must be from 8000 to 192000", path.display())]
+    #[error(
+        "{}: the sample rate is {rate_hz} Hz, and a force is played at the rate of its file, 8000 to 192000 Hz: resample it",
+        path.display()
+    )]
     Rate {
         /// Path of the refused file.
         path: PathBuf,
@@ -86,11 +91,13 @@ pub struct Force {
 
 /// Reads one channel of a WAV file, counted from 0, as a force.
 ///
+/// A file that was written into a pipe, whose header leaves the length open, is read to its end.
+///
 /// # Errors
 /// [`WaveError`] with the file's path, for a file that is not WAV, and for a channel, sample rate
 /// or sample outside its range.
 pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
-    let bytes = kit::file::read_whole(path)?;
+    let bytes = stream::with_length(kit::file::read_whole(path)?);
     let kind = |cause| WaveError::Kind { path: path.to_owned(), cause };
     let mut reader = WavReader::new(Cursor::new(bytes)).map_err(kind)?;
     let spec = reader.spec();

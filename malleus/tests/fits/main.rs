@@ -5,6 +5,7 @@
 mod cores;
 mod descent;
 mod dynamic_filter;
+mod modulus;
 mod outputs;
 mod page;
 mod prior;

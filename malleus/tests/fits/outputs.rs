@@ -13,6 +13,7 @@ fn outputs_that_cannot_be_written_or_are_named_twice_are_refused_before_a_fit() 
     write_recording(&folder.path().join("taps.wav"), &plain(3, 1.0, 3, -60.0).samples);
     let [table, away, events] = ["t.toml", "gone/t.toml", "gone/t.csv"].map(text);
     let (tables, in_tables, taps) = (text("tables"), text("tables/taps.toml"), text("taps.wav"));
+    let in_taps = text("taps.wav/t");
     for (flags, words) in [
         (&["-o", &away][..], "gone/t.toml: cannot be written"),
         (&["-o", &table, "--events", &events][..], "gone/t.csv: cannot be written"),
@@ -20,6 +21,10 @@ fn outputs_that_cannot_be_written_or_are_named_twice_are_refused_before_a_fit() 
         (&["-o", &table, "--events", &table][..], "t.toml: is named for two outputs"),
         (&["-o", &tables, "--events", &in_tables][..], "taps.toml: is named for two outputs"),
         (&["-o", &table, "--render", &taps][..], "taps.wav: is read by this command"),
+        (&["-o", &taps][..], "taps.wav: is a file, and no table to write: give -o a .toml file, or a folder"),
+        (&["-o", &in_taps][..], "taps.wav/t: cannot be made: there is a file where a folder is needed"),
+        (&["-o", &table, "--report", &taps][..], "taps.wav: cannot be made: there is a file where a folder is needed"),
+        (&["-o", &table, "--events", &in_taps][..], "what should be its folder is a file"),
     ] {
         let output = malleus(&[&folder.path().join("taps.wav")], flags);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use crate::page::{assert_sounds_play, assert_well_formed_and_self_contained, findings, list, read, tags};
 
 /// Writes a strike of three modes as 16-bit WAV, 0.7 s at 44.1 kHz.
-fn strike(path: &Path, frequencies_hz: [f64; 3]) {
+pub(crate) fn strike(path: &Path, frequencies_hz: [f64; 3]) {
     fs::create_dir_all(path.parent().expect("a folder")).expect("can be made");
     let spec = hound::WavSpec {
         channels: 1,

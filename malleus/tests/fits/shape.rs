@@ -145,6 +145,8 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         ("bar.toml -o t.toml --modes 0", "--modes"),
         ("bar.toml -o t.toml --modes 1000000000", "1 to 4096, as many as a table holds"),
         ("bar.toml -o t.toml --budget 1e12", "at most the 4096 modes"),
+        ("bar.toml -o t.toml --budget 9", "at least 9.42, the cycles a sample of one mode"),
+        ("bar.toml -o t.toml --budget nan", "at least 9.42"),
         ("bar.toml -o t.toml --max-hz 50", "--modes N"),
         ("bar.toml -o t.toml --max-hz 1e12", "at most 24000, half the sample rate"),
         ("bar.toml -o t.toml --max-hz nan", "--max-hz"),
@@ -160,6 +162,30 @@ fn shapes_that_cannot_be_solved_are_refused_without_a_file() {
         assert!(!done.status.success() && message.contains(reason), "{words}: {message}");
         assert!(!message.contains("panicked"), "{words}: {message}");
         assert!(!folder.path().join("t.toml").exists(), "{words} leaves a file");
+    }
+}
+
+#[test]
+fn decays_of_a_report_are_those_of_the_table_also_without_losses() {
+    let folder = with_bar();
+    for (losses, decay_per_s) in [("loss_factor = 0", Some(0.01)), ("loss_factor = 0.01", None)] {
+        let lossless = BAR.replace("name = \"steel\"", &format!("name = \"steel\"\n{losses}"));
+        std::fs::write(folder.path().join("bar.toml"), lossless).expect("the folder is writable");
+        let done = shape(folder.path(), "bar.toml -o t.toml --budget 20 --error 0.01 --report pages --json");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&done.stdout).expect("a report");
+        let table: toml::Table =
+            std::fs::read_to_string(folder.path().join("t.toml")).expect("a table").parse().unwrap();
+        let modes = table["object"][0]["modes"].as_array().expect("modes");
+        assert_eq!(modes.len(), 2, "as many as 20 cycles a sample play");
+        for (kept, told) in modes.iter().zip(report["modes"].as_array().expect("modes")) {
+            let [kept, told] = [kept["decay_per_s"].as_float(), told["decay_per_s"].as_f64()].map(Option::unwrap);
+            assert!((kept / told - 1.0).abs() < 1e-6, "{losses}: {kept} in the table, {told} in the report");
+            assert!(decay_per_s.is_none_or(|expected: f64| (told - expected).abs() < 1e-9), "{losses}: {told}");
+        }
+        let page = std::fs::read_to_string(folder.path().join("pages/index.html")).expect("a page");
+        assert_eq!(page.contains("0.010 1/s"), decay_per_s.is_some(), "{losses}");
+        assert!(!page.contains("no end"), "{losses}");
     }
 }
 

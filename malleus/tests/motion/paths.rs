@@ -26,6 +26,12 @@ fn difference(a: &State, b: &State) -> [f64; 2] {
 }
 
 #[test]
+fn spaces_before_quotes_and_lines_of_spaces_change_no_motion() {
+    let loose = LINES.replace("board", " \"board\" ").replace('\n', "\n  \t\n");
+    assert_eq!(motion(&loose), motion(LINES));
+}
+
+#[test]
 fn path_goes_through_its_lines_and_is_c1_at_each() {
     let motion = motion(LINES);
     for (time_s, place) in [(0.1, [0.0, 0.0]), (0.2, [0.05, 0.01]), (0.25, [0.09, 0.05]), (0.4, [0.02, 0.06])] {

@@ -75,6 +75,23 @@ fn midi_notes_strike_the_pads_that_the_kit_maps() {
 }
 
 #[test]
+fn spaces_before_quotes_and_lines_of_spaces_change_no_events() {
+    let folder = Folder::new();
+    folder.write("tight.csv", b"sample,pad,velocity,position,striker\n100,bar,1,0,stick\n24000,bar,0.25,0,stick\n");
+    folder.write(
+        "loose.csv",
+        b" \"sample\", \"pad\" ,\t\"velocity\",position, striker\r\n  \r\n100, \"bar\", 1, 0, \"stick\"\r\n\t\r\n24000,bar,\"0.25\",0,stick\r\n   ",
+    );
+    for name in ["tight", "loose"] {
+        let output = folder.malleus(&format!("play --kit kit.toml --strikes {name}.csv -o {name}.wav"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert_eq!(samples(&folder.path("tight.wav")), samples(&folder.path("loose.wav")));
+    folder.write("wrong.csv", b"sample,pad,velocity\n   \n1, \"drum\",1\n");
+    folder.refuses("play --kit kit.toml --strikes wrong.csv -o no.wav", &["line 3", "drum"]);
+}
+
+#[test]
 fn direct_force_is_played_at_the_rate_of_its_file() {
     let folder = Folder::new();
     let spec = hound::WavSpec {
@@ -97,6 +114,48 @@ fn direct_force_is_played_at_the_rate_of_its_file() {
     folder.refuses("play --kit kit.toml --direct f.wav --pad bra -o no.wav", &["bra", "bar"]);
     folder.refuses("play --kit kit.toml --direct f.wav --pad bar --rate 48000 -o no.wav", &["44100", "48000"]);
     folder.refuses("play --kit kit.toml --direct kit.toml --pad bar -o no.wav", &["kit.toml", "not a readable WAV"]);
+}
+
+#[test]
+fn direct_force_that_was_written_into_a_pipe_is_read_to_its_end() {
+    let folder = Folder::new();
+    let spec = hound::WavSpec {
+        channels: 2,
+        sample_rate: 48_000,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(folder.path("f.wav"), spec).unwrap();
+    (0..2000).for_each(|sample| writer.write_sample(if sample == 1000 { 30_000i16 } else { 0 }).unwrap());
+    writer.finalize().unwrap();
+    assert_eq!(folder.malleus("play --kit kit.toml --direct f.wav --pad bar -o whole.wav").status.code(), Some(0));
+    let whole = fs::read(folder.path("f.wav")).unwrap();
+    // Lengths of the file and of its data as FFmpeg, SoX and others leave them open.
+    for (file, data) in [(u32::MAX, u32::MAX), (0x7fff_f024, 0x7fff_f000), (0, 0), (u32::MAX, 0)] {
+        let mut stream = whole.clone();
+        stream[4..8].copy_from_slice(&file.to_le_bytes());
+        stream[40..44].copy_from_slice(&data.to_le_bytes());
+        // The pipe ended within a frame.
+        stream.push(0);
+        folder.write("stream.wav", &stream);
+        let output = folder.malleus("play --kit kit.toml --direct stream.wav --pad bar -o out.wav");
+        assert!(output.status.success(), "{file:x} {data:x}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(samples(&folder.path("out.wav")), samples(&folder.path("whole.wav")), "{file:x} {data:x}");
+    }
+    // A file that was cut is no stream.
+    folder.write("cut.wav", &whole[..2000]);
+    folder.refuses("play --kit kit.toml --direct cut.wav --pad bar -o no.wav", &["cut.wav", "not a readable WAV"]);
+}
+
+#[test]
+fn demo_writes_sound_and_picture_or_neither_and_says_what_is_in_the_way() {
+    let folder = Folder::new();
+    folder.write("file", b"a file");
+    folder.refuses("demo --out file", &["file: cannot be made: there is a file where a folder is needed"]);
+    fs::create_dir_all(folder.path("taken/demo.png")).unwrap();
+    folder.refuses("demo --out taken", &["demo.png: cannot be written"]);
+    let left: Vec<_> = fs::read_dir(folder.path("taken")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["demo.png"]);
 }
 
 #[test]

@@ -81,6 +81,32 @@ pub enum FileError {
     Keys(&'static str),
 }
 
+/// Keys that each file has, as the reader names them, and what to give for them.
+const NEEDED: [(&str, &str, &str); 5] = [
+    ("format", "format", "give format = 1 at the beginning"),
+    ("name", "name", "give the object a name, at the beginning, such as name = \"bar\""),
+    ("shape", "[shape]", "give this table the kind of the body, its outline and its thickness"),
+    (
+        "material",
+        "[material]",
+        "give this table the name of a material, such as name = \"steel\" (`malleus shape --materials` lists them), or \
+         numbers",
+    ),
+    ("kind", "shape.kind", "give plate, sheet, membrane, revolve or solid"),
+];
+
+impl FileError {
+    /// The fault behind an error of the TOML reader, which takes the first line for the place of a
+    /// key that is missing.
+    pub(super) fn of_reader(error: &toml::de::Error) -> Self {
+        let name = error.message().strip_prefix("missing field `").and_then(|name| name.strip_suffix('`'));
+        match NEEDED.into_iter().find(|needed| Some(needed.0) == name) {
+            Some((_, key, what)) => Self::Missing { key, what },
+            None => Self::Text(error.to_string()),
+        }
+    }
+}
+
 fn names() -> String {
     materials().keys().map(String::as_str).collect::<Vec<_>>().join(", ")
 }

@@ -176,7 +176,7 @@ impl ShapeFile {
     /// # Errors
     /// A [`FileError`] that names the line or the key.
     pub fn parse(text: &str) -> Result<Self, FileError> {
-        let file: Self = toml::from_str(text).map_err(|error| FileError::Text(error.to_string()))?;
+        let file: Self = toml::from_str(text).map_err(|error| FileError::of_reader(&error))?;
         file.check(text)?;
         Ok(file)
     }

@@ -67,11 +67,11 @@ impl Outline {
         for (index, ring) in self.rings.iter().enumerate() {
             check_finite(index, ring)?;
         }
-        let extent = self.bounds().map_or(0.0, |[low, high]| distance(low, high));
+        let extent = self.extent();
         for (index, ring) in self.rings.iter().enumerate() {
             check_ring(index, ring, extent)?;
         }
-        check_crossings(&self.pieces(), TOUCH * extent)?;
+        self.check_apart()?;
         for (index, ring) in self.rings.iter().enumerate().skip(1) {
             let at = ring[0].from;
             if !ring_contains(&self.rings[0], at) {
@@ -84,6 +84,16 @@ impl Outline {
         }
         // A ring that crosses itself may enclose as much to its left as to its right.
         self.rings.iter().enumerate().try_for_each(|(index, ring)| check_area(index, ring))
+    }
+
+    /// Checks that the rings cross or touch neither themselves nor each other.
+    pub(super) fn check_apart(&self) -> Result<(), OutlineError> {
+        check_crossings(&self.pieces(), TOUCH * self.extent())
+    }
+
+    /// Diagonal of the smallest upright rectangle around the body, metres.
+    fn extent(&self) -> f64 {
+        self.bounds().map_or(0.0, |[low, high]| distance(low, high))
     }
 
     /// Lists the pieces of all sides.

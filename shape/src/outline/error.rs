@@ -116,6 +116,19 @@ pub enum OutlineError {
         /// End, metres.
         end: Point,
     },
+    /// A shape that a clip path or a mask may cut.
+    #[error(
+        "the shape at ({:.6}, {:.6}) m is cut by the {attribute} \"{id}\", which is not applied: draw the shape as it \
+         is after the cut, or remove the {attribute}", at[0], at[1]
+    )]
+    Cut {
+        /// Attribute of SVG that cuts.
+        attribute: &'static str,
+        /// Name of the clip path or mask.
+        id: String,
+        /// First point of the shape, metres.
+        at: Point,
+    },
     /// A drawing without visible shapes.
     #[error("the drawing has no visible shape: draw one closed path, rectangle, circle or ellipse with a fill")]
     NoPath,

@@ -1,5 +1,6 @@
 //! White parts of a drawing: its ground, and holes that are drawn over the body.
 
+use super::svg::Ring;
 use super::{Outline, Point, Side, ring_area};
 use usvg::{Paint, Path};
 
@@ -28,18 +29,16 @@ fn has_stroke(path: &Path) -> bool {
 
 /// Leaves out the white rings that are no holes: those larger than the body, and those apart from
 /// it. If all rings are white they are the shapes.
-pub(super) fn without(rings: Vec<Vec<Side>>, white: &[bool]) -> Vec<Vec<Side>> {
-    let size = |ring: &Vec<Side>| ring_area(ring).abs();
-    let coloured = rings.iter().zip(white).filter(|(_, is_white)| !**is_white).map(|(ring, _)| ring);
+pub(super) fn without(rings: Vec<Ring>) -> Vec<Ring> {
+    let size = |ring: &Ring| ring_area(&ring.sides).abs();
+    let coloured = rings.iter().filter(|ring| !ring.is_white);
     let Some(body) = coloured.max_by(|a, b| size(a).total_cmp(&size(b))) else { return rings };
-    let (most, around) = (size(body), bounds(body));
-    let is_apart = |ring: &Vec<Side>| {
-        let ([low, high], [least, last]) = (bounds(ring), around);
+    let (most, around) = (size(body), bounds(&body.sides));
+    let is_apart = |ring: &Ring| {
+        let ([low, high], [least, last]) = (bounds(&ring.sides), around);
         (0..2).any(|axis| high[axis] < least[axis] || low[axis] > last[axis])
     };
-    let is_kept = |ring: &Vec<Side>, is_white: bool| !(is_white && (size(ring) >= most || is_apart(ring)));
-    let kept: Vec<bool> = rings.iter().zip(white).map(|(ring, is_white)| is_kept(ring, *is_white)).collect();
-    rings.into_iter().zip(kept).filter(|(_, is_kept)| *is_kept).map(|(ring, _)| ring).collect()
+    rings.into_iter().filter(|ring| !(ring.is_white && (size(ring) >= most || is_apart(ring)))).collect()
 }
 
 /// Lowest and highest coordinates of a ring.

@@ -2,7 +2,9 @@
 
 mod arc;
 mod check;
+mod cut;
 mod error;
+mod fill_rule;
 mod ground;
 mod png;
 pub(crate) mod side;

@@ -1,13 +1,32 @@
 //! Outlines from SVG drawings.
 
 use super::arc::with_round_arcs;
+use super::cut::{self, Cut};
 use super::side::distance;
-use super::{Outline, OutlineError, Point, Side, ground, ring_area};
+use super::{Outline, OutlineError, Point, Side, fill_rule, ground, ring_area};
+use usvg::FillRule;
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
 /// Share of the drawing's size below which two points are one: drawings are read in 32 bit.
 const SAME: f64 = 1e-6;
+
+/// Path that is visible, with its transforms applied.
+struct Drawn {
+    data: Path,
+    is_white: bool,
+    /// Rule by which the path is filled; `None` if only its stroke is drawn.
+    rule: Option<FillRule>,
+    /// Clip path or mask that cuts the path.
+    cut: Option<Cut>,
+}
+
+/// Ring of a drawn path.
+pub(super) struct Ring {
+    pub(super) sides: Vec<Side>,
+    pub(super) is_white: bool,
+    cut: Option<Cut>,
+}
 
 /// Subpath: where each side begins and bends, and where the last one ends.
 struct Subpath {
@@ -18,13 +37,15 @@ struct Subpath {
 
 impl Outline {
     /// Makes the outline of a drawing in SVG: the shapes that are visible, with all transforms. The
-    /// largest ring is the outer one, those inside it are holes. White shapes without a stroke are
-    /// the ground unless all are white: they can be holes, and are left out elsewhere. The
-    /// drawing's y axis points down, the body's one up. A unit is `unit_m` metres long; it is that
-    /// of the drawing's `viewBox`, or a pixel if it has none.
+    /// largest ring is the outer one, those inside it are holes. Within a path its `fill-rule`
+    /// tells which rings are borders. White shapes without a stroke are the ground unless all are white:
+    /// they can be holes, and are left out elsewhere. The drawing's y axis points down, the body's
+    /// one up. A unit is `unit_m` metres long; it is that of the drawing's `viewBox`, or a pixel if
+    /// it has none.
     ///
     /// # Errors
-    /// Says what cannot be read, which path is open, or what [`Outline::check`] finds.
+    /// Says what cannot be read, which path is open, which clip path or mask cuts a shape, or what
+    /// [`Outline::check`] finds.
     pub fn from_svg(text: &str, unit_m: f64) -> Result<Outline, OutlineError> {
         if !(unit_m > 0.0 && unit_m.is_finite()) {
             return Err(OutlineError::BadUnit { unit_m });
@@ -36,18 +57,26 @@ impl Outline {
         let document = document.map_err(|error| unreadable(error.to_string()))?;
         let (pixels, has_arcs) = (pixels_per_unit(&document, tree.size()), document.descendants().any(has_arcs));
         let mut paths = Vec::new();
-        collect(tree.root(), &mut paths);
+        collect(tree.root(), None, &mut paths);
         let scale = unit_m / pixels;
         let extent = f64::from(tree.size().width().max(tree.size().height())) * scale;
         let mut rings = Vec::new();
-        let mut white = Vec::new();
-        for (path, is_white) in &paths {
-            for subpath in subpaths(path, scale) {
-                white.push(*is_white);
-                rings.push(with_round_arcs(&close(subpath, rings.len(), SAME * extent)?, has_arcs));
+        let mut count = 0;
+        for Drawn { data, is_white, rule, cut } in paths {
+            let mut closed = Vec::new();
+            for subpath in subpaths(&data, scale) {
+                closed.push(with_round_arcs(&close(subpath, count, SAME * extent)?, has_arcs));
+                count += 1;
             }
+            let borders = fill_rule::borders(closed, rule)?;
+            rings.extend(borders.into_iter().map(|sides| Ring { sides, is_white, cut: cut.clone() }));
         }
-        let mut rings = ground::without(rings, &white);
+        let rings = ground::without(rings);
+        if let Some((Cut { attribute, id }, ring)) = rings.iter().find_map(|ring| ring.cut.clone().zip(Some(ring))) {
+            let at = ring.sides.first().map_or([0.0; 2], |side| side.from);
+            return Err(OutlineError::Cut { attribute, id, at });
+        }
+        let mut rings: Vec<Vec<Side>> = rings.into_iter().map(|ring| ring.sides).collect();
         let largest = |a: &usize, b: &usize| ring_area(&rings[*a]).abs().total_cmp(&ring_area(&rings[*b]).abs());
         let Some(outer) = (0..rings.len()).rev().max_by(largest) else { return Err(OutlineError::NoPath) };
         rings.swap(0, outer);
@@ -83,17 +112,19 @@ fn has_arcs(node: Node<'_, '_>) -> bool {
     }
 }
 
-/// Collects the paths that are visible, with their transforms applied, and tells which are white.
-fn collect(group: &usvg::Group, paths: &mut Vec<(Path, bool)>) {
+/// Collects the paths that are visible. `cut` is what cuts the shapes of all groups around a group.
+fn collect(group: &usvg::Group, cut: Option<Cut>, paths: &mut Vec<Drawn>) {
     if group.opacity().get() == 0.0 {
         return;
     }
+    let cut = cut.or_else(|| cut::of(group));
     for node in group.children() {
         match node {
-            usvg::Node::Group(group) => collect(group, paths),
+            usvg::Node::Group(group) => collect(group, cut.clone(), paths),
             usvg::Node::Path(path) if ground::is_drawn(path) => {
-                let data = path.data().clone().transform(path.abs_transform());
-                paths.extend(data.map(|data| (data, ground::is_white(path))));
+                let Some(data) = path.data().clone().transform(path.abs_transform()) else { continue };
+                let (is_white, rule) = (ground::is_white(path), fill_rule::of(path));
+                paths.push(Drawn { data, is_white, rule, cut: cut.clone() });
             }
             _ => {}
         }

@@ -10,16 +10,21 @@ const PEAK_FORCE_N: f64 = 20.0;
 /// Contact time of the table's striker at velocity 1, s, if the file has none: a hard mallet.
 const CONTACT_TIME_S: f64 = 5e-4;
 /// Decays that the format holds and the engine plays at 48 kHz, 1/s.
-const DECAYS_PER_S: [f32; 2] = [0.01, 16_000.0];
+const DECAYS_PER_S: [f64; 2] = [0.01, 16_000.0];
+
+/// Decay that a table has for a mode, 1/s: at least 0.01 and at most 16 000.
+pub fn kept_decay_per_s(decay_per_s: f64) -> f64 {
+    decay_per_s.clamp(DECAYS_PER_S[0], DECAYS_PER_S[1])
+}
 
 /// The object and a mallet as a kit without pads. The object has the solved gains, in
-/// output/(N s), and the mallet's peak force as reference force. Decays are cut to 0.01 to 20 000
-/// 1/s, which the format holds. A table of pressures is balanced.
+/// output/(N s), and the mallet's peak force as reference force. Decays are those of
+/// [`kept_decay_per_s`]. A table of pressures is balanced.
 pub fn of(solved: &Solved, file: &ShapeFile, source: &str, licence: &str) -> Kit {
     let gain = |gain: &crate::gain::Gain| kit::Gain { sine: gain.sine as f32, cosine: gain.cosine as f32 };
     let modes = solved.modes.iter().map(|mode| Mode {
         frequency_hz: mode.frequency_hz as f32,
-        decay_per_s: (mode.decay_per_s as f32).clamp(DECAYS_PER_S[0], DECAYS_PER_S[1]),
+        decay_per_s: kept_decay_per_s(mode.decay_per_s) as f32,
         gains: mode.gains.iter().map(gain).collect(),
     });
     let name = item_name(&file.name, "");

@@ -1,7 +1,11 @@
-//! CSV in UTF-8, as lists of events and motions have it: one header line, fields that may be quoted
-//! with `"`, spaces round a field and lines that begin with `#` ignored.
+//! CSV in UTF-8, as lists of events, motions and labels have it: one header line, fields that may
+//! be quoted with `"`, spaces round a field, lines of spaces and lines that begin with `#` ignored.
+
+mod tidied;
 
 use dsp_core::table::{Kit, Pad};
+
+pub use tidied::tidied;
 
 /// Reason for which bytes are no CSV with the wanted columns.
 #[derive(Debug)]
@@ -20,8 +24,8 @@ pub(crate) fn check_text(bytes: &[u8]) -> Result<(), TextFault> {
     text.find('\0').map_or(Ok(()), |offset| Err(TextFault::NotText { offset }))
 }
 
-/// Reader of the lines of a file that lies in memory.
-pub(crate) fn reader(bytes: &[u8]) -> ::csv::Reader<&[u8]> {
+/// Reader of the lines of a file that lies in memory, [`tidied`].
+pub fn reader(bytes: &[u8]) -> ::csv::Reader<&[u8]> {
     ::csv::ReaderBuilder::new().trim(::csv::Trim::All).comment(Some(b'#')).from_reader(bytes)
 }
 
@@ -43,7 +47,7 @@ pub(crate) fn of_reader(error: &::csv::Error, bytes: &[u8]) -> TextFault {
 
 /// Line of the record at a position of the reader, counted from 1. The reader's own number is that
 /// of the first empty line or comment before the record.
-fn line_at(position: &::csv::Position, bytes: &[u8]) -> u64 {
+pub fn line_at(position: &::csv::Position, bytes: &[u8]) -> u64 {
     let rest = bytes.get(position.byte() as usize..).unwrap_or_default();
     let is_skipped = |line: &&[u8]| line.is_empty() || *line == b"\r" || line.starts_with(b"#");
     position.line() + rest.split(|&byte| byte == b'\n').take_while(is_skipped).count() as u64
