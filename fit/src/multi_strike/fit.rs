@@ -76,12 +76,6 @@ pub(crate) fn fit(
     StrikesError::refuse_few(fitted.model.strikes.len(), rising)?;
     StrikesError::refuse_few_for(layout, fitted.model.strikes.len())?;
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
-    let untold = modes_at_zeros(&fitted.model);
-    if !untold.is_empty() {
-        let mut model = fitted.model.clone();
-        model.drop_modes(&untold);
-        fitted = Fitted::new(model, samples, &whitening);
-    }
     fitted = descend(fitted, samples, &whitening, Ending::FINE);
     told(0.9);
     fitted = at_best_time(fitted, samples, &whitening);
@@ -89,6 +83,7 @@ pub(crate) fn fit(
     if room.is_none() {
         fitted = with_acceleration(fitted, samples, &whitening);
     }
+    fitted = without_zeros(fitted, samples, &whitening);
     if fitted.model.contact_times_are_held {
         fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
     }
@@ -149,6 +144,18 @@ fn thing<'a>(
         }
     }
     Ok(Thing { fitted, whitening, dry: Cow::Borrowed(samples), room: None })
+}
+
+/// The fit without modes at zeros of all contacts, and with all else as it was: fitted again, other
+/// modes would take up what those have taken.
+fn without_zeros(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
+    let at_zeros = modes_at_zeros(&fitted.model);
+    if at_zeros.is_empty() {
+        return fitted;
+    }
+    let mut model = fitted.model;
+    model.drop_modes(&at_zeros);
+    Fitted::new(model, samples, whitening)
 }
 
 /// The fit with acceleration sound, if that explains more than its number costs.

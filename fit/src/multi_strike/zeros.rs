@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use super::contact::strength;
 use super::model::{Model, Strike};
 
-/// Share of a contact's strength without its zeros below which a mode lies at a zero: -40 dB.
+/// Share of a contact's strength without its zeros below which a mode lies at a zero: -30 dB.
 ///
 /// Half-sines have zeros at `(k + 1/2)/τ`, k from 1 on. Errors of a contact's form ring there in none of the
 /// modes, and a mode takes them up with a gain that is large by as much as the contact is weak. With
 /// any other contact time it would ring loudly, and for long.
-const AT_ZERO: f64 = 0.01;
+const AT_ZERO: f64 = 0.03;
 
 /// Modes that lie at a zero of each contact that rings them.
 pub(super) fn modes_at_zeros(model: &Model) -> Vec<usize> {
@@ -43,7 +43,7 @@ mod tests {
         let zero = |k: f64| 2.0 * PI * (k + 0.5) / 48.0;
         let pole = |angular: f64| Pole { decay: 1e-5, angular };
         let mut model = Model {
-            poles: vec![pole(zero(1.0)), pole(zero(2.0) * 1.02), pole(zero(3.0)), pole(zero(0.0))],
+            poles: vec![pole(zero(1.0)), pole(zero(2.0) * 1.03), pole(zero(3.0)), pole(zero(0.0))],
             gains: vec![vec![Complex::new(1.0, 0.0)]; 4],
             owners: vec![None; 4],
             acceleration: 0.0,
