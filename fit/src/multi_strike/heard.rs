@@ -53,8 +53,8 @@ pub(crate) fn with_heard_times(model: &Model, samples: &[f64], rate_hz: f64) -> 
 ///
 /// Strikes at several places ring the modes in other proportions than their common gains, so that a
 /// fit of amplitudes finds too little in them, and in soft ones nothing. Energies are those of the
-/// sounds, not those of single modes: of modes that fade within the contact, or of two in one place,
-/// a single strike tells the sum alone.
+/// sounds, not those of single modes: of modes that fade within the contact, or of two in one
+/// place, a single strike tells the sum alone.
 pub(crate) fn with_heard_peaks(fitted: Fitted, samples: &[f64], whitening: &Whitening, rate_hz: f64) -> Fitted {
     let mut model = fitted.model.clone();
     for (index, strike) in model.strikes.iter_mut().enumerate() {

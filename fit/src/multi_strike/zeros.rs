@@ -7,9 +7,9 @@ use super::model::{Model, Strike};
 
 /// Share of a contact's strength without its zeros below which a mode lies at a zero: -30 dB.
 ///
-/// Half-sines have zeros at `(k + 1/2)/τ`, k from 1 on. Errors of a contact's form ring there in none of the
-/// modes, and a mode takes them up with a gain that is large by as much as the contact is weak. With
-/// any other contact time it would ring loudly, and for long.
+/// Half-sines have zeros at `(k + 1/2)/τ`, k from 1 on. Errors of a contact's form ring there in
+/// none of the modes. A mode takes them up with a gain that is large by as much as the contact is
+/// weak, and would ring loudly with any other contact time.
 const AT_ZERO: f64 = 0.03;
 
 /// Modes that lie at a zero of each contact that rings them.

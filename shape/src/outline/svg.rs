@@ -38,10 +38,10 @@ struct Subpath {
 impl Outline {
     /// Makes the outline of a drawing in SVG: the shapes that are visible, with all transforms. The
     /// largest ring is the outer one, those inside it are holes. Within a path its `fill-rule`
-    /// tells which rings are borders. White shapes without a stroke are the ground unless all are white:
-    /// they can be holes, and are left out elsewhere. The drawing's y axis points down, the body's
-    /// one up. A unit is `unit_m` metres long; it is that of the drawing's `viewBox`, or a pixel if
-    /// it has none.
+    /// tells which rings are borders. White shapes without a stroke are the ground unless all are
+    /// white: they can be holes, and are left out elsewhere. The drawing's y axis points down, the
+    /// body's one up. A unit is `unit_m` metres long; it is that of the drawing's `viewBox`, or a
+    /// pixel if it has none.
     ///
     /// # Errors
     /// Says what cannot be read, which path is open, which clip path or mask cuts a shape, or what
