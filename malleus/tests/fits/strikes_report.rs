@@ -56,7 +56,7 @@ fn page_of_many_strikes_has_its_parts_and_the_sound_that_play_makes() {
         assert!(html.contains(title), "{title} is missing");
     }
     let index = read(&path("pages/index.html"));
-    assert!(index.contains("./taps.html") && index.contains("1 recordings<"), "{index}");
+    assert!(index.contains("./taps.html") && index.contains("1 recording<"), "{index}");
 
     let sounds: Vec<Vec<i32>> = tags
         .iter()

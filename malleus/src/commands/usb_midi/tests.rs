@@ -63,7 +63,7 @@ fn kit_that_is_sent_plays_and_is_read_back_identical() {
     assert!(link.board.holds(1, &loaded.binary));
     assert_eq!(read_over(&mut link, 1).unwrap(), loaded.binary);
     let info = info_over(&mut link).unwrap();
-    assert!(info.contains("blackpill-f411: firmware 0.1.0 (a85fb13), 48000 Hz; slot 1 plays"), "{info}");
+    assert!(info.contains("blackpill-f411: firmware 0.1.0 (74990db), 76800000/1600 Hz; slot 1 plays"), "{info}");
     assert!(info.contains(&format!("slot 1: {}, {} of 65536 bytes", loaded.kit.name, loaded.binary.len())), "{info}");
     assert!(info.contains("slot 0: empty"), "{info}");
     let empty = read_over(&mut link, 0).unwrap_err().to_string();
