@@ -38,7 +38,8 @@ pub(super) fn completed_fit(
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
         fitted = Fitted::new(fitted.model, samples, &whitening);
         fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
-        let more = completed(&fitted, samples, &whitening, rate_hz, (settings, stalled > 0));
+        let are_modes_first = stalled > 0 && layout.strikers > 1;
+        let more = completed(&fitted, samples, &whitening, rate_hz, (settings, are_modes_first));
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         for _ in 0..PRUNINGS {
