@@ -22,8 +22,8 @@ const HIGHEST_RATE_HZ: u32 = 48_000;
 /// Sample rates that are accepted, in Hz: the instrument plays from 8000 Hz on, and rates above
 /// [`HIGHEST_RATE_HZ`] are decimated.
 const RATES_HZ: std::ops::RangeInclusive<u32> = 8_000..=768_000;
-/// Least distance of a channel's highest from its lowest value, full scale 1, and least size of one
-/// of them that is no silence.
+/// Level below which a channel is silent, full scale 1. A louder channel whose values all lie within
+/// this of each other is constant.
 const LEAST_SOUND: f64 = 2e-6;
 
 /// Samples of all channels, as far as the file was read.
@@ -37,9 +37,8 @@ struct Decoded {
 /// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
 /// named.
 ///
-/// The force channel is never taken for the loudest. A noticeable constant offset is taken off its
-/// channel, and a note says so. Of a file of more than 120 s the beginning is read, and a note says
-/// so.
+/// The force channel is never taken for the loudest. A noticeable constant offset is subtracted. Of
+/// a file of more than 120 s only the beginning is read. Notes tell both.
 ///
 /// # Errors
 /// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds

@@ -18,9 +18,9 @@ const LEAST_VARIANCE: f64 = 1e-16;
 
 /// Constant offset of a channel of `length` samples, full scale 1; 0 if none is noticeable.
 ///
-/// The channel is cut into blocks. The offset is the weighted mean of their means; a block's weight
-/// is the inverse of its variance, so that quiet blocks count most. The offset's standard deviation
-/// follows from the scatter of the means. An offset of less than [`LEAST_DEVIATIONS`] is taken for
+/// The estimate is the weighted mean of the means of short blocks. A block's weight is the inverse
+/// of its variance, so that quiet blocks count most. The standard deviation of the estimate follows
+/// from the scatter of the blocks' means. An offset of less than [`LEAST_DEVIATIONS`] is taken for
 /// noise: the function gives 0, and the channel keeps all its bits.
 pub(super) fn constant_offset(samples: impl Iterator<Item = f64>, length: usize, rate_hz: f64) -> f64 {
     let size = ((BLOCK_S * rate_hz) as usize).min(length / LEAST_BLOCKS);

@@ -25,9 +25,11 @@ const FAR_MORE: f64 = 8.0;
 
 /// The model with the strikes that stand out of what it leaves, or if there are none, the modes.
 ///
-/// A missed or misplaced strike rings in many modes, so that modes are looked for last. But where a
-/// model lacks a mode of one striker, all strikes of that striker stand out as if they were
-/// misplaced, however often they are sought. `are_modes_first` looks for modes before strikes.
+/// A missed or misplaced strike rings in many modes, so that modes are looked for last.
+///
+/// A model that lacks a mode of one striker leaves a loud residual behind each of that striker's
+/// strikes. They look misplaced, and a search for strikes does not help. With `are_modes_first`
+/// modes are looked for before strikes.
 pub(crate) fn completed(
     fitted: &Fitted,
     samples: &[f64],

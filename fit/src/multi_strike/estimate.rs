@@ -134,8 +134,8 @@ pub fn estimate(
 
 /// Fits all strikes of a recording as [`estimate`] does, without a copy of its samples.
 ///
-/// If noise is added, it is added to the samples themselves and taken off afterwards: they are then
-/// what they were but for rounding, at most 1e-15.
+/// Noise, if any is needed, is added to the samples in place, and subtracted after the fit. The
+/// samples then differ from the given ones by rounding, at most 1e-15.
 ///
 /// # Errors
 /// Those of [`estimate`].

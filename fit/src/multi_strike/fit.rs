@@ -87,7 +87,7 @@ pub(crate) fn fit(
     if fitted.model.contact_times_are_held {
         fitted = with_heard_peaks(fitted, samples, &whitening, rate_hz);
     }
-    // What follows the first refusal may end poorly, too.
+    // The steps since the first check may have made the fit worse.
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted.model.normalise();
     let mut deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
@@ -146,8 +146,10 @@ fn thing<'a>(
     Ok(Thing { fitted, whitening, dry: Cow::Borrowed(samples), room: None })
 }
 
-/// The fit without modes at zeros of all contacts, and with all else as it was: fitted again, other
-/// modes would take up what those have taken.
+/// The fit without modes at zeros of all contacts.
+///
+/// All other parameters keep their values: a new descent would move them to explain the energy that
+/// the dropped modes have explained.
 fn without_zeros(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let at_zeros = modes_at_zeros(&fitted.model);
     if at_zeros.is_empty() {

@@ -62,8 +62,8 @@ impl Build<'_> {
     /// Bytes of a name, padded with zeros.
     ///
     /// A name that is too long or holds a zero is refused here, because the bytes would not show
-    /// it. All other rules are checked here, too, and not by the reader alone: a name that no kit
-    /// may have would else be suggested for one that does not exist.
+    /// it. All other rules of names are checked here and by the reader. Without the check here,
+    /// messages would suggest names that no kit may have.
     pub(super) fn name(&self, place: Place, name: &str) -> Result<[u8; NAME_BYTES], KitError> {
         let mut padded = [0; NAME_BYTES];
         match padded.get_mut(..name.len()) {
