@@ -22,8 +22,8 @@ const HIGHEST_RATE_HZ: u32 = 48_000;
 /// Sample rates that are accepted, in Hz: the instrument plays from 8000 Hz on, and rates above
 /// [`HIGHEST_RATE_HZ`] are decimated.
 const RATES_HZ: std::ops::RangeInclusive<u32> = 8_000..=768_000;
-/// Level below which a channel is silent, full scale 1. A louder channel whose values all lie within
-/// this of each other is constant.
+/// Level below which a channel is silent, full scale 1. A louder channel whose values all lie
+/// within this of each other is constant.
 const LEAST_SOUND: f64 = 2e-6;
 
 /// Samples of all channels, as far as the file was read.

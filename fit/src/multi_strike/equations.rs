@@ -8,7 +8,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::arrow::Arrow;
-use super::model::{Model, Segment, segments};
+use super::contact::Contact;
+use super::model::{Model, Segment, Strike, segments};
 use super::ringing::{Effect, Ringing};
 use super::whitening::Whitening;
 use crate::modes::{Basis, Stretch, add_ringing, project};
@@ -23,6 +24,14 @@ const AT_A_TIME: usize = 16;
 const FORGOTTEN: f64 = 0.03;
 /// Maximum number of strikes that ring at a time with derivatives of their own.
 const MOST_HEARD: usize = 40;
+
+/// Sound of one of a model's strikes alone, with its sign turned, over `length` samples from the
+/// sample `from` on.
+pub(super) fn of_one_strike(model: &Model, strike: &Strike, from: usize, length: usize) -> Vec<f64> {
+    let contact = Contact { middle: strike.contact.middle - from as f64, ..strike.contact };
+    let alone = Model { strikes: vec![Strike { contact, ..*strike }], ..model.clone() };
+    residual(&alone, &vec![0.0; length])
+}
 
 /// Residual of the model over the whole recording.
 pub(crate) fn residual(model: &Model, samples: &[f64]) -> Vec<f64> {

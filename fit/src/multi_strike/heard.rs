@@ -8,7 +8,7 @@
 
 use super::contact::Contact;
 use super::descend::Fitted;
-use super::equations::residual as residual_of;
+use super::equations::of_one_strike;
 use super::model::{Model, Strike};
 use super::whitening::Whitening;
 use crate::contact::{PULSE_FWHM, contact_interval_s, contact_time_s};
@@ -73,14 +73,10 @@ fn beginning(fitted: &Fitted, index: usize, rate_hz: f64) -> [f64; 2] {
     let Fitted { model, residual, .. } = fitted;
     let left = alone(model, index, residual);
     let left = &left[..left.len().min((HEARD_S * rate_hz) as usize)];
-    let strike = model.strikes[index];
-    let begin = strike.contact.first_sample().max(0.0).floor();
-    let contact = Contact { middle: strike.contact.middle - begin, ..strike.contact };
-    let lone = Model { strikes: vec![Strike { contact, ..strike }], ..model.clone() };
-    // What a model leaves of silence is its sound with the sign changed.
-    let sound = residual_of(&lone, &vec![0.0; left.len()]);
-    let own = sound.iter().map(|x| x * x).sum();
-    [own, left.iter().zip(&sound).map(|(left, sound)| (left - sound).powi(2)).sum()]
+    let strike = &model.strikes[index];
+    let turned = of_one_strike(model, strike, strike.contact.first_sample().max(0.0) as usize, left.len());
+    let own = turned.iter().map(|x| x * x).sum();
+    [own, left.iter().zip(&turned).map(|(left, turned)| (left - turned).powi(2)).sum()]
 }
 
 /// Standard deviation of the logarithm of a contact time that is heard; `None` if the strike is too

@@ -7,10 +7,9 @@
 //! rest is fitted again.
 
 use super::begin::at_best_time;
-use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
 use super::dry::dry;
-use super::equations::residual as left_of;
+use super::equations::of_one_strike;
 use super::error::LEAST_STRIKES;
 use super::free::{Guard, MORE_MODES, free_modes};
 use super::layout::Layout;
@@ -130,10 +129,7 @@ impl InRoom {
         let stands_out = |strike: &Strike| {
             let from = (strike.contact.first_sample().max(0.0) as usize).min(residual.len());
             let behind = &residual[from..(from + (HEARD_S * rate_hz) as usize).min(residual.len())];
-            let contact = Contact { middle: strike.contact.middle - from as f64, ..strike.contact };
-            let alone = Model { strikes: vec![Strike { contact, ..*strike }], ..model.clone() };
-            // The residual of silence is the model's sound with its sign changed.
-            let own = left_of(&alone, &vec![0.0; behind.len()]);
+            let own = of_one_strike(model, strike, from, behind.len());
             energy(&own) > LEAST_OVER_LEFT * energy(behind)
         };
         let strikes = model.strikes.iter().copied().filter(stands_out).collect();
