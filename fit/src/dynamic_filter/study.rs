@@ -17,6 +17,8 @@ use crate::{audio, segment};
 pub const SEEDS: u64 = 4;
 /// Time in seconds after its peak from which a strike rings freely.
 const CONTACT_S: f64 = 5e-4;
+/// Lowest frequency of a mode in Hz: what moves slower is not heard.
+const LOWEST_HZ: f64 = 20.0;
 /// Longest part of a strike that is analysed, in seconds.
 const LONGEST_S: f64 = 12.0;
 
@@ -25,7 +27,7 @@ const LONGEST_S: f64 = 12.0;
 pub struct Heard {
     /// Damping law of the strike.
     pub law: DampingLaw,
-    /// Modes of the strike, with amplitudes and phases at the onset.
+    /// Modes of the strike from 20 Hz on, with amplitudes and phases at the onset.
     pub modes: Vec<DampedSine>,
     /// Level in dB by which each mode stands out of the smooth part of the spectrum.
     pub emergence_db: Vec<f64>,
@@ -53,6 +55,7 @@ pub fn heard_in(path: &FilePath) -> Result<Heard, FitError> {
     let from = (top + (CONTACT_S * rate_hz) as usize).min(strike.len());
     let since_s = from as f64 / rate_hz;
     let mut modes = modes::estimate(&strike[from..], rate_hz, modes::Settings::default());
+    modes.retain(|mode| mode.frequency_hz >= LOWEST_HZ);
     for mode in &mut modes {
         mode.amplitude *= (mode.decay_per_s * since_s).exp();
         mode.phase -= std::f64::consts::TAU * mode.frequency_hz * since_s;

@@ -154,3 +154,15 @@ fn a_ceramic_mug_keeps_its_damping_with_ten_modes_beside_the_filter() {
         kept_damping(&FilePath::new(env!("SHARED_DATA")).join("recordings/ceramic_mug_1.wav"));
     assert!(bands >= 12 && within + 1 >= bands && median < 0.032);
 }
+
+#[test]
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn what_moves_slower_than_20_hz_is_no_mode_of_the_strike() {
+    for name in ["wood_block_1", "ceramic_mug_1"] {
+        let file = FilePath::new(env!("SHARED_DATA")).join("recordings").join(name).with_extension("wav");
+        let heard = heard_in(&file).expect("a strike");
+        let slowest = heard.modes.iter().map(|mode| mode.frequency_hz).fold(f64::INFINITY, f64::min);
+        assert!((20.0..2_000.0).contains(&slowest), "{name}: {slowest} Hz");
+        assert_eq!(heard.emergence_db.len(), heard.modes.len());
+    }
+}
