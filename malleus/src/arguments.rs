@@ -88,7 +88,7 @@ pub(crate) struct PlayArguments {
     #[arg(long, value_name = "FILE[:CHANNEL]", requires = "pad")]
     pub(crate) direct: Option<String>,
     /// Pad that the force of --direct drives
-    #[arg(long, value_name = "NAME", requires = "direct")]
+    #[arg(long, value_name = "NAME", requires = "direct", conflicts_with_all = ["strikes", "motion"])]
     pub(crate) pad: Option<String>,
     /// Motion of scrapers and balls over pads with a surface, with or without strikes: CSV with the
     /// columns time_s|sample,pad,action,striker,x_m,y_m,normal_n (docs/motion.md)
@@ -96,10 +96,17 @@ pub(crate) struct PlayArguments {
     pub(crate) motion: Option<PathBuf>,
     /// WAV file of the motion's force in newtons, its normal force in newtons, speed in m/s and
     /// distance in metres, as four channels of 32-bit float
-    #[arg(long, value_name = "FILE.wav", requires = "motion")]
+    #[arg(long, value_name = "FILE.wav", requires = "motion", conflicts_with = "direct")]
     pub(crate) force: Option<PathBuf>,
     /// Parts of the motion's model to leave out
-    #[arg(long, value_enum, value_name = "PARTS", value_delimiter = ',', requires = "motion")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "PARTS",
+        value_delimiter = ',',
+        requires = "motion",
+        conflicts_with = "direct"
+    )]
     pub(crate) without: Vec<AblationName>,
     /// WAV file to write
     #[arg(short, long, value_name = "OUT.wav")]
@@ -178,7 +185,7 @@ pub(crate) struct FitArguments {
     pub(crate) steps: Option<u32>,
     /// Fit noise through a moving filter instead of modes and residual, with at most ten modes
     /// beside it or at most ten loops round it (docs/dynamic-filter-fits.md)
-    #[arg(long, value_enum, value_name = "WITH", conflicts_with_all = ["modes", "estimator", "force_channel", "hits", "budget", "report"])]
+    #[arg(long, value_enum, value_name = "WITH", conflicts_with_all = ["modes", "estimator", "force_channel", "hits", "budget", "report", "materials"])]
     pub(crate) dynamic_filter: Option<BesideName>,
     /// Channel of the recording that holds the measured force, counted from 0
     #[arg(long, value_name = "C")]
@@ -200,9 +207,11 @@ pub(crate) struct FitArguments {
     /// Number of gains of each mode along the object, for strikes at different positions: about
     /// three for each half wave of the highest mode, at least 4; 1 for one place
     #[arg(long, value_name = "P", requires = "events", default_value_t = 1, value_parser = parse_positions)]
+    #[arg(conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render"])]
     pub(crate) positions: u8,
     /// Number of strikers that strike, told apart by their contact times and own modes
     #[arg(long, value_name = "N", requires = "events", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
+    #[arg(conflicts_with_all = ["dynamic_filter", "force_channel", "hits", "budget", "render"])]
     pub(crate) strikers: u8,
     /// Write a self-contained page of sound, pictures and figures for each recording into this
     /// folder, and an index of all pages in it

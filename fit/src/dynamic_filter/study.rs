@@ -35,15 +35,16 @@ pub struct Heard {
     pub length_s: f64,
 }
 
-/// Analyses the loudest strike of a recording.
+/// Analyses the loudest strike of a recording, of those that last at least 15 ms.
 ///
 /// # Errors
-/// [`FitError`] if the recording cannot be read or has no strike; [`FitError::NoModes`] if no band
-/// decays.
+/// [`FitError`] if the recording cannot be read or has no strike; [`FitError::TooShort`] if all
+/// strikes are shorter than 15 ms; [`FitError::NoModes`] if no band decays.
 pub fn heard_in(path: &FilePath) -> Result<Heard, FitError> {
     let recording = audio::read(path, None)?;
     let rate_hz = recording.rate_hz;
     let (hits, _) = segment::hits(&recording)?;
+    let hits = segment::select(&hits, &[], rate_hz)?;
     let peak =
         |hit: &segment::Hit| recording.samples[hit.onset..hit.end].iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let loudest = hits.iter().max_by(|a, b| peak(a).total_cmp(&peak(b))).ok_or(FitError::NoOnset)?;

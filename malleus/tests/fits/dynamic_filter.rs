@@ -18,8 +18,8 @@ fn succeeds(folder: &Path, words: &str) -> String {
 }
 
 /// Writes a recording of a block of wood: noise that loses its high end first, and two modes,
-/// behind 20 ms of silence.
-fn write_recording(path: &Path) {
+/// behind 20 ms of silence. The sound is cut off after `seconds`.
+fn write_recording(path: &Path, seconds: f64) {
     let point = |time_s: f64, b0: f64, a1: f64| Breakpoint {
         time_s,
         coefficients: Coefficients { a: [a1, 0.0], b: [b0, b0, 0.0] },
@@ -39,7 +39,7 @@ fn write_recording(path: &Path) {
     };
     let mut writer = hound::WavWriter::create(path, specification).unwrap();
     let silence = std::iter::repeat_n(0.0, 960);
-    for sample in silence.chain(render(&model, (0.5 * RATE_HZ) as usize, 5)) {
+    for sample in silence.chain(render(&model, (seconds * RATE_HZ) as usize, 5)) {
         writer.write_sample(sample as f32).unwrap();
     }
     writer.finalize().unwrap();
@@ -48,7 +48,7 @@ fn write_recording(path: &Path) {
 #[test]
 fn a_recording_becomes_a_table_that_plays_and_keeps_its_decays() {
     let folder = tempfile::tempdir().unwrap();
-    write_recording(&folder.path().join("block.wav"));
+    write_recording(&folder.path().join("block.wav"), 0.5);
     let json = succeeds(folder.path(), "fit block.wav -o block.toml --dynamic-filter modes --render heard.wav --json");
     let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
     let report = &rows[0]["report"];
@@ -72,10 +72,23 @@ fn a_recording_becomes_a_table_that_plays_and_keeps_its_decays() {
 #[test]
 fn options_that_conflict_with_a_dynamic_filter_and_absent_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let output = malleus(folder.path(), "fit a.wav -o a.toml --dynamic-filter modes --hits 1");
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("--hits"));
+    for option in ["--hits 1", "--positions 4", "--strikers 2", "--materials wood"] {
+        let output = malleus(folder.path(), &format!("fit a.wav -o a.toml --dynamic-filter modes {option}"));
+        assert_eq!(output.status.code(), Some(2));
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(message.contains("cannot be used with") && message.contains(&option[..6]), "{message}");
+    }
     let output = malleus(folder.path(), "fit absent.wav -o a.toml --dynamic-filter loops");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!output.status.success() && message.contains("absent.wav"), "{message}");
+}
+
+#[test]
+fn dynamic_filter_of_a_strike_below_15_ms_is_refused_as_too_short() {
+    let folder = tempfile::tempdir().unwrap();
+    write_recording(&folder.path().join("block.wav"), 0.012);
+    let output = malleus(folder.path(), "fit block.wav -o block.toml --dynamic-filter modes");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && message.contains("block.wav: the strike at 0.0"), "{message}");
+    assert!(message.contains("at least 15 ms") && !folder.path().join("block.toml").exists(), "{message}");
 }

@@ -150,3 +150,21 @@ fn wrong_command_line_exits_with_2() {
         assert_eq!(folder.malleus(words).status.code(), Some(2), "{words}");
     }
 }
+
+#[test]
+fn options_of_another_way_to_play_or_fit_are_refused_by_name() {
+    let folder = Folder::new();
+    folder.write("s.csv", b"sample,pad,velocity\n0,bar,1\n");
+    for (words, option) in [
+        ("play --kit kit.toml --strikes s.csv --pad bar -o out.wav", "--pad"),
+        ("play --kit kit.toml --direct f.wav --pad bar --force out.wav -o sound.wav", "--force"),
+        ("play --kit kit.toml --direct f.wav --pad bar --without scraper -o out.wav", "--without"),
+        ("fit hit.wav -o hit.toml --hits 1 --positions 4", "--positions"),
+        ("fit hit.wav -o hit.toml --render out.wav --strikers 2", "--strikers"),
+    ] {
+        let output = folder.malleus(words);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        assert!(message.contains(option) && message.contains("cannot be used with"), "{words}: {message}");
+    }
+}
