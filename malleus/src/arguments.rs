@@ -261,12 +261,12 @@ pub(crate) enum KitCommand {
     ///
     /// Chooses levels with which each pad peaks at -6 dBFS at velocity 1.
     New {
-        /// Tables: .toml files with objects and strikers. Without -o, the first path is the kit to
-        /// write and the others are the tables
+        /// Tables: .toml files with objects, strikers and surfaces. Without -o, the first path is
+        /// the kit to write and the others are the tables
         #[arg(required = true, value_name = "TABLE")]
         tables: Vec<PathBuf>,
-        /// Kit to write, as text
-        #[arg(short, long, value_name = "KIT.toml")]
+        /// Kit to write, as text, or in binary form if its name ends in .bin
+        #[arg(short, long, value_name = "KIT.toml|KIT.bin")]
         output: Option<PathBuf>,
         /// MIDI note of the first pad; each further pad has the next note
         #[arg(long, value_name = "NOTE", default_value_t = 36, value_parser = clap::value_parser!(u8).range(0..=127))]

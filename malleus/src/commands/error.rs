@@ -82,6 +82,15 @@ pub(crate) enum CommandError {
     )]
     KitExists { output: PathBuf },
     #[error(
+        "{}: kit build writes the binary form of a kit, and .toml files are text; name it .bin, or print the text by malleus kit show",
+        output.display()
+    )]
+    BinaryAsText { output: PathBuf },
+    #[error(
+        "no table has an object, so that the kit would have no pad; give one that has, such as malleus fit or malleus shape writes, beside strikers and surfaces"
+    )]
+    NoObject,
+    #[error(
         "no table has a striker, so that nothing would strike its objects; give one that has, such as tables/strikers.toml"
     )]
     NoStriker,

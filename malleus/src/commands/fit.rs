@@ -19,7 +19,7 @@ use super::fit_filter::{self, FilterReport};
 use super::fit_job::{Job, with_file};
 use super::fit_names as names;
 use super::fit_strikes::{self, StrikesReport};
-use super::output::{print, print_json, progress, refuse_input, refuse_same};
+use super::output::{has_extension, print, print_json, progress, refuse_input, refuse_same};
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// One input and the outcome of its fit, a row of the report.
@@ -48,7 +48,7 @@ const STACK_BYTES: usize = 64 << 20;
 
 pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
     material::named(&arguments.materials)?;
-    let one_file = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    let one_file = has_extension(&arguments.output, "toml");
     if one_file && arguments.input.len() > 1 {
         return Err(CommandError::OneTable { output: arguments.output.clone(), inputs: arguments.input.len() });
     }

@@ -10,7 +10,7 @@ use virtual_board::Board;
 use super::error::CommandError;
 use super::kit_report::{KitReport, counts, open};
 use super::left_out::left_out;
-use super::output::{print, print_json, refuse_input};
+use super::output::{has_extension, print, print_json, refuse_input};
 use super::{kit_check, kit_new};
 use crate::arguments::KitCommand;
 
@@ -25,6 +25,9 @@ pub(crate) fn run(command: &KitCommand) -> Result<(), CommandError> {
 
 fn build(name: &str, output: &Path) -> Result<(), CommandError> {
     refuse_input(output, [Path::new(name)])?;
+    if has_extension(output, "toml") {
+        return Err(CommandError::BinaryAsText { output: output.to_owned() });
+    }
     let loaded = open(name)?;
     let boards = on_boards(name, &loaded)?;
     kit::file::write_whole(output, &loaded.binary)?;

@@ -10,7 +10,7 @@ use malleus::render::headroom::{self, LARGEST_FORCE};
 
 use super::error::CommandError;
 use super::kit_report::open;
-use super::output::{print, progress, refuse_input};
+use super::output::{has_extension, print, progress, refuse_input};
 use crate::arguments::Arguments;
 
 /// Maximum number of strikers of a pad.
@@ -43,12 +43,15 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
     // Refuses what a board would refuse, before anything is rendered or written.
     kit::binary::build(&kit)?;
     set_levels(output, &mut kit);
-    let bytes = kit::binary::build(&kit)?.len();
-    kit::file::write_whole(output, kit::text::write(&kit).as_bytes())?;
-    print(&format!("{}: {}, {bytes} bytes in binary\n", output.display(), counted(kit.pads.len(), "pads")))
+    let binary = kit::binary::build(&kit)?;
+    let text = (!has_extension(output, "bin")).then(|| kit::text::write(&kit));
+    kit::file::write_whole(output, text.as_ref().map_or(&binary, |text| text.as_bytes()))?;
+    let (pads, bytes) = (counted(kit.pads.len(), "pads"), binary.len());
+    print(&format!("{}: {pads}, {bytes} bytes in binary\n", output.display()))
 }
 
-/// Kit of all objects and strikers of the tables, with one pad per object at a level of 0 dB.
+/// Kit of all objects, strikers and surfaces of the tables, with one pad per object at a level of
+/// 0 dB.
 fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, CommandError> {
     let name = output.file_stem().unwrap_or_default().to_string_lossy();
     let mut kit = kit::Kit { name: kit::item_name(&name, ""), ..kit::Kit::default() };
@@ -64,6 +67,7 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
             kit.pads.push(pad(object, strikers.clone(), note));
         }
         loaded.kit.strikers.retain(|striker| !kit.strikers.contains(striker));
+        loaded.kit.surfaces.retain(|surface| !kit.surfaces.contains(surface));
         // A table's room is that of its recording. A kit has one room, so that of several tables
         // none is taken.
         match tables.len() {
@@ -76,8 +80,12 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
         }
         kit.objects.extend(loaded.kit.objects);
         kit.strikers.extend(loaded.kit.strikers);
+        kit.surfaces.extend(loaded.kit.surfaces);
     }
-    if kit.strikers.is_empty() && !kit.objects.is_empty() {
+    if kit.objects.is_empty() {
+        return Err(CommandError::NoObject);
+    }
+    if kit.strikers.is_empty() {
         return Err(CommandError::NoStriker);
     }
     let all = names(&kit.strikers);
@@ -85,8 +93,8 @@ fn bound(output: &Path, tables: &[PathBuf], first_note: u8) -> Result<kit::Kit, 
     Ok(kit)
 }
 
-/// Gives objects of a table, and strikers that are not the same as those of a kit, names that the
-/// kit does not have.
+/// Gives objects of a table, and strikers and surfaces that are not the same as those of a kit,
+/// names that the kit does not have.
 fn rename_clashes(kit: &kit::Kit, table: &mut kit::Kit) {
     let unused = |name: &str, is_used: &dyn Fn(&str) -> bool| {
         let numbered = (2..).map(|number| kit::item_name(name, &format!(" {number}")));
@@ -99,6 +107,18 @@ fn rename_clashes(kit: &kit::Kit, table: &mut kit::Kit) {
         if !kit.strikers.contains(striker) {
             striker.name = unused(&striker.name, &|name| kit.strikers.iter().any(|other| other.name == name));
         }
+    }
+    for surface in &mut table.surfaces {
+        // A surface takes up to 64 KB: one that the kit has under another name is not taken twice.
+        let is_same =
+            |other: &&kit::Surface| kit::Surface { name: surface.name.clone(), ..(*other).clone() } == *surface;
+        let name = match kit.surfaces.iter().find(is_same) {
+            Some(same) => same.name.clone(),
+            None => unused(&surface.name, &|name| kit.surfaces.iter().any(|other| other.name == name)),
+        };
+        let named = table.objects.iter_mut().filter_map(|object| object.surface.as_mut());
+        named.filter(|own| own.surface == surface.name).for_each(|own| own.surface.clone_from(&name));
+        surface.name = name;
     }
 }
 

@@ -17,6 +17,11 @@ pub(super) fn progress(length: u64, what: &'static str) -> ProgressBar {
     ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(what)
 }
 
+/// True if a file's name ends in an extension, in upper or lower case.
+pub(super) fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
 /// Refuses to write over a file that the command reads.
 ///
 /// # Errors

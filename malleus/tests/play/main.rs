@@ -200,3 +200,46 @@ fn new_kit_of_tables_with_equal_names_has_a_pad_for_each_and_a_name_that_fits() 
     assert_eq!((loaded.kit.name.as_str(), loaded.kit.strikers.len()), ("marimba-and-a-vibraphone", 2));
     folder.refuses("kit new one.toml two.toml --first-note 127 -o k.toml", &["--first-note 127", "lower first note"]);
 }
+
+#[test]
+fn name_that_ends_in_bin_is_that_of_a_binary_kit_and_toml_that_of_text() {
+    let folder = Folder::new();
+    folder.write("table.toml", KIT.split("[[pad]]").next().unwrap().as_bytes());
+    for words in ["kit new table.toml -o new.toml", "kit new table.toml -o new.BIN"] {
+        let output = folder.malleus(words);
+        assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    assert!(fs::read(folder.path("new.BIN")).unwrap().starts_with(b"MALL"));
+    let [text, binary] = ["new.toml", "new.BIN"].map(|file| kit::open(folder.path(file).to_str().unwrap()).unwrap());
+    assert_eq!((text.kit == binary.kit, text.kit.pads.len()), (true, 1));
+    folder.refuses("kit build new.BIN -o built.toml", &["built.toml", "binary form", "name it .bin", "kit show"]);
+    assert!(!folder.path("built.toml").exists());
+}
+
+#[test]
+fn new_kit_of_surfaces_alone_is_refused_and_keeps_those_beside_objects() {
+    let folder = Folder::new();
+    // Heights of two waves, 256 points.
+    let heights: Vec<String> = (0..256).map(|n| (100 * (n % 8) - 70 * (n % 64)).to_string()).collect();
+    let surface = |unit_m: &str| {
+        let head = "format = 1\nname = \"tile\"\n[[surface]]\nname = \"tile\"\nstep_m = 5e-6\nshortest_m = 2.5e-5\n";
+        format!("{head}unit_m = {unit_m}\nheights = [{}]\n", heights.join(", "))
+    };
+    folder.write("tile.toml", surface("1e-9").as_bytes()).write("rough.toml", surface("2e-9").as_bytes());
+    folder.refuses("kit new tile.toml -o new.toml", &["no table has an object", "malleus fit"]);
+    assert!(!folder.path("new.toml").exists());
+
+    let table = KIT.split("[[pad]]").next().unwrap();
+    folder.write("bar.toml", table.as_bytes());
+    let named = surface("2e-9") + &table[table.find("[[object]]").unwrap()..];
+    folder.write(
+        "own.toml",
+        named.replace("name = \"bar\"", "name = \"own\"\nsurface = \"tile\"\nsize_m = [0.1, 0.1]").as_bytes(),
+    );
+    let output = folder.malleus("kit new bar.toml tile.toml rough.toml own.toml -o new.toml");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let kit = kit::open(folder.path("new.toml").to_str().unwrap()).unwrap().kit;
+    let surfaces: Vec<_> = kit.surfaces.iter().map(|surface| (surface.name.as_str(), surface.unit_m)).collect();
+    assert_eq!(surfaces, [("tile", 1e-9), ("tile 2", 2e-9)]);
+    assert_eq!(kit.objects[1].surface.as_ref().map(|own| own.surface.as_str()), Some("tile 2"));
+}
