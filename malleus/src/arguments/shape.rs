@@ -23,7 +23,9 @@ pub(crate) struct ShapeArguments {
     /// Budget in Cortex-M4 cycles a sample: the lowest modes that it can play, 9.42 cycles each
     #[arg(long, value_name = "CYCLES")]
     pub(crate) budget: Option<f64>,
-    /// Largest error of a frequency: the mesh becomes finer until each mode's estimate is below
+    /// Error of each frequency to which the mesh is made finer, as a share: 0.001 is 0.1 %. No mesh
+    /// mends the theory of thick or clamped plates and of wood: where that errs by nearly as much
+    /// or more, the printed estimate is above this number (docs/shape.md)
     #[arg(long, value_name = "E", default_value = "0.001")]
     pub(crate) error: f64,
     /// Sound of a strike at each position, a second apart, as a WAV file

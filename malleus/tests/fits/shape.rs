@@ -65,6 +65,26 @@ fn table_of_a_bar_has_the_modes_that_its_report_names_and_sounds_at_each_positio
     }
 }
 
+#[test]
+fn estimate_of_a_clamped_plate_is_above_the_error_asked_for_and_help_says_so() {
+    let folder = with_bar();
+    let support = "[support]\nedges = [\"clamped\", \"clamped\", \"clamped\", \"clamped\"]\n";
+    let clamped = BAR
+        .replace("[[0, 0], [0.2, 0], [0.2, 0.03], [0, 0.03]]", "[[0, 0], [0.8, 0], [0.8, 0.12], [0, 0.12]]")
+        .replace("thickness_m = 0.008", "thickness_m = 0.032")
+        .replace("[[0.1, 0.015], [0.0, 0.015]]", "[[0.1, 0.06], [0.7, 0.06]]")
+        .replace("at_m = [0.2, 0.0]", "at_m = [0.2, 0.05]")
+        + support;
+    std::fs::write(folder.path().join("clamped.toml"), clamped).expect("the folder is writable");
+    let done = shape(folder.path(), "clamped.toml -o table.toml --modes 1 --error 0.01 --json");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&done.stdout).expect("a report");
+    assert!(report["modes"][0]["error"].as_f64().expect("a number") > 0.01, "{report}");
+    let help = String::from_utf8(shape(folder.path(), "--help").stdout).expect("text");
+    let words: Vec<&str> = help.split_whitespace().collect();
+    assert!(words.join(" ").contains("the printed estimate is above this number"), "{help}");
+}
+
 /// Corners of a block of 10, 3 and 2 cm, and its faces, as the text of an OBJ file.
 const BLOCK: &str = "v 0 0 0\nv 10 0 0\nv 0 3 0\nv 10 3 0\nv 0 0 2\nv 10 0 2\nv 0 3 2\nv 10 3 2\n\
     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
