@@ -131,6 +131,9 @@ fn firmware_plays_a_press_of_the_button_and_reports_it() {
     let lines = report["log"].as_array().unwrap();
     assert!(lines.iter().any(|line| line["message"].as_str().unwrap().contains("strike")), "{lines:#?}");
 
+    // The plain header, format 1, as that of `malleus play`.
+    let bytes = std::fs::read(&sound).unwrap();
+    assert_eq!((&bytes[12..22], &bytes[36..40]), (b"fmt \x10\0\0\0\x01\0".as_slice(), b"data".as_slice()));
     let mut wave = hound::WavReader::open(&sound).unwrap();
     assert_eq!((wave.spec().sample_rate, wave.spec().bits_per_sample, wave.spec().channels), (47_991, 24, 2));
     let peak = wave.samples::<i32>().map(|sample| sample.unwrap().unsigned_abs()).max().unwrap();

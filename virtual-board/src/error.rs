@@ -107,9 +107,6 @@ pub enum BoardError {
     /// There is no sound to write.
     #[error("no sound left the I2S, so that there is no WAV file to write; leave it out, and look into the log")]
     NoSound,
-    /// The sound is longer than a WAV file can be.
-    #[error("the sound does not fit a WAV file (4 GiB); run the board for a shorter time")]
-    LongSound,
     /// A WAV file cannot be read.
     #[error("{}: {reason}", path.display())]
     Wave {

@@ -1,5 +1,6 @@
 //! `malleus board run`: runs an unmodified firmware image on a virtual board.
 
+use malleus::wave;
 use virtual_board::{Setup, VirtualBoard};
 
 use super::board::{Form, LONGEST_S, RunArguments};
@@ -41,7 +42,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), CommandError> {
     if let Some(output) = &arguments.output
         && (ended.is_ok() || !board.streams().is_empty())
     {
-        kit::file::write_whole(output, &board.wav()?)?;
+        let (rate_hz, frames) = board.sound()?;
+        wave::write_stereo(output, rate_hz, &frames)?;
     }
     let report = board.report()?;
     board_midi::write(&arguments.midi_arguments(), &report.usb)?;

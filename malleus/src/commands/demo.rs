@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &DemoArguments) -> Result<(), CommandError> {
     })
     .map_err(refused)?;
     let render_s = started.elapsed().as_secs_f64();
-    let sound_bytes = wave::stereo_bytes(&sound, RATE, &frames)?;
+    let sound_bytes = wave::stereo_bytes(&sound, RATE.hz(), &frames)?;
     bar.inc(1);
     let picture_bytes = draw(&picture, &loaded, &performance, &frames, &ticks)?;
     kit::file::write_together(&[(&sound, &sound_bytes), (&picture, &picture_bytes)])?;

@@ -109,7 +109,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         dsp_core::output::to_24_bit(&mut frames);
         (frames, level)
     };
-    wave::write_stereo(&arguments.output, rate, &frames)?;
+    wave::write_stereo(&arguments.output, rate.hz(), &frames)?;
     if work.refused_scrapes > 0 {
         eprintln!(
             "malleus: {name}: {} touches are left out: an engine has two contacts at once, and a board has time for few",

@@ -55,7 +55,7 @@ pub(super) fn file(path: &Path, table: &Path, kit: kit::Kit, positions: usize) -
     let binary = kit::binary::build(&kit_new::playable(kit, table)?)?;
     let events = (0..positions).map(|number| strike(number, positions, number * FRAMES)).collect();
     let frames = render(table, &binary, events, positions * FRAMES)?;
-    Ok(wave::stereo_bytes(path, RATE, &frames)?)
+    Ok(wave::stereo_bytes(path, RATE.hz(), &frames)?)
 }
 
 /// Renders a strike at each position on its own, all at the level at which the loudest one peaks

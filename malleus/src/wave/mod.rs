@@ -133,26 +133,26 @@ pub fn read_force(path: &Path, channel: u16) -> Result<Force, WaveError> {
 ///
 /// # Errors
 /// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
-pub fn write_stereo(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<(), WaveError> {
-    Ok(kit::file::write_whole(path, &stereo_bytes(path, rate, frames)?)?)
+pub fn write_stereo(path: &Path, rate_hz: f64, frames: &[[i32; 2]]) -> Result<(), WaveError> {
+    Ok(kit::file::write_whole(path, &stereo_bytes(path, rate_hz, frames)?)?)
 }
 
 /// Makes the bytes of a WAV file of 24-bit stereo samples; `path` is named in the error.
 ///
-/// The header holds the whole number of Hz nearest to `rate`. It is the plain header of 44 bytes
+/// The header holds the whole number of Hz nearest to `rate_hz`. It is the plain header of 44 bytes
 /// (format 1, PCM): libraries write 24 bits as "extensible", which simple readers refuse, among
 /// them Python's `wave` before 3.12.
 ///
 /// # Errors
 /// [`WaveError`] with the file's path, if the sound is longer than 4 GiB.
-pub fn stereo_bytes(path: &Path, rate: SampleRate, frames: &[[i32; 2]]) -> Result<Vec<u8>, WaveError> {
+pub fn stereo_bytes(path: &Path, rate_hz: f64, frames: &[[i32; 2]]) -> Result<Vec<u8>, WaveError> {
     const BYTES_PER_FRAME: u32 = 6;
     let data_bytes = u32::try_from(frames.len())
         .ok()
         .and_then(|frames| frames.checked_mul(BYTES_PER_FRAME))
         .filter(|bytes| *bytes < u32::MAX - 44)
         .ok_or_else(|| WaveError::TooLong { path: path.to_owned(), frames: frames.len() })?;
-    let rate_hz = rate.hz().round() as u32;
+    let rate_hz = rate_hz.round() as u32;
     let mut bytes = Vec::with_capacity(data_bytes as usize + 44);
     bytes.extend_from_slice(b"RIFF");
     bytes.extend_from_slice(&(data_bytes + 36).to_le_bytes());

@@ -1,8 +1,6 @@
 //! Report of a run, which serialises to the JSON of `malleus board run --report json`
 //! (docs/json.md).
 
-use std::io::Cursor;
-
 use serde::Serialize;
 use virtual_core::{CycleCase, FunctionCost};
 
@@ -354,39 +352,24 @@ impl VirtualBoard {
         Some(worst as f64 / half_cycles.max(1) as f64)
     }
 
-    /// Returns the sound that left the I2S as a 24-bit stereo WAV file.
+    /// Returns the sound that left the I2S as 24-bit stereo frames, and its rate in Hz.
     ///
-    /// The rate in the file is rounded to whole Hz; the report has the exact one. The file begins
-    /// with the first frame, and pauses between two streams are silence.
+    /// It begins with the first frame, and pauses between two streams are silence.
     ///
     /// # Errors
-    /// [`BoardError::NoSound`] if nothing left the I2S, and [`BoardError::LongSound`] if it is
-    /// longer than a WAV file can be.
-    pub fn wav(&self) -> Result<Vec<u8>, BoardError> {
+    /// [`BoardError::NoSound`] if nothing left the I2S.
+    pub fn sound(&self) -> Result<(f64, Vec<[i32; 2]>), BoardError> {
         let mut devices = self.devices.lock();
         let streams = &devices.audio().streams;
         let first = streams.first().ok_or(BoardError::NoSound)?;
-        let sample_rate = first.rate.as_f64().round() as u32;
-        let spec =
-            hound::WavSpec { channels: 2, sample_rate, bits_per_sample: 24, sample_format: hound::SampleFormat::Int };
-        // Into memory, the encoder fails only where the file would be longer than its header can
-        // say.
-        let too_long = |_| BoardError::LongSound;
-        let mut bytes = Cursor::new(Vec::new());
-        let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(too_long)?;
-        let mut written = 0_usize;
+        let rate_hz = first.rate.as_f64();
+        let mut frames = Vec::new();
         for stream in streams {
-            let begins = ((stream.start_s - first.start_s) * first.rate.as_f64()).round() as usize;
-            let silence = std::iter::repeat_n([0; 2], begins.saturating_sub(written));
-            for frame in silence.chain(stream.frames.iter().copied()) {
-                written += 1;
-                for sample in frame {
-                    writer.write_sample(sample >> 8).map_err(too_long)?;
-                }
-            }
+            let begins = ((stream.start_s - first.start_s) * rate_hz).round() as usize;
+            frames.resize(frames.len().max(begins), [0; 2]);
+            frames.extend(stream.frames.iter().map(|frame| frame.map(|sample| sample >> 8)));
         }
-        writer.finalize().map_err(too_long)?;
-        Ok(bytes.into_inner())
+        Ok((rate_hz, frames))
     }
 }
 
