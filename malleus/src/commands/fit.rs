@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use ::fit::material::{self, Material};
+use ::fit::material::{self, Interval, Material};
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
 use ::kit::file::check_writable;
@@ -228,11 +228,14 @@ fn fitted_row(name: &str, report: &Report, has_solid: bool) -> String {
     let mut text =
         format!("{name:32} {modes:>5} {:>7.2} {t60:>17} {strikes:>7} {:>7.1}\n", report.lsd_db, report.seconds);
     report.notes.iter().for_each(|note| text += &format!("  {note}\n"));
-    if let (Some(modulus), true) = (&report.young_modulus_pa, has_solid) {
-        let [estimate, low, high] = [modulus.estimate, modulus.low, modulus.high].map(|pascals| 1e-9 * pascals);
-        text += &format!("  Young's modulus {estimate:.2} GPa, from {low:.2} to {high:.2} in nine of ten\n");
-    }
-    text
+    text + &modulus_line(report.young_modulus_pa.as_ref(), has_solid)
+}
+
+/// Line of Young's modulus below a row; empty unless the size of the thing is known.
+pub(super) fn modulus_line(modulus: Option<&Interval>, has_solid: bool) -> String {
+    let Some(modulus) = modulus.filter(|_| has_solid) else { return String::new() };
+    let [estimate, low, high] = [modulus.estimate, modulus.low, modulus.high].map(|pascals| 1e-9 * pascals);
+    format!("  Young's modulus {estimate:.2} GPa, from {low:.2} to {high:.2} in nine of ten\n")
 }
 
 /// Rows of all recordings; `has_solid` if the size of the things is known.
@@ -255,7 +258,7 @@ fn as_text(rows: &[Row], has_solid: bool) -> String {
                 100.0 * report.median_error,
                 report.seconds
             ),
-            Outcome::Together { report } => fit_strikes::row(&name, report),
+            Outcome::Together { report } => fit_strikes::row(&name, report, has_solid),
             Outcome::Skipped => format!("{name:32} is done already ({})\n", row.table.display()),
             Outcome::Failed { .. } => format!("{name:32} failed\n"),
         };

@@ -15,6 +15,7 @@ use malleus::report::{StrikesPage, write_strikes_page};
 use serde::Serialize;
 
 use super::fit_job::{Job, with_file};
+use super::fit::modulus_line;
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// Figures of a recording whose strikes were fitted together.
@@ -196,19 +197,21 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     notes
 }
 
-/// A recording's row of the table that is printed, and its notes.
-pub(super) fn row(name: &str, report: &StrikesReport) -> String {
+/// A recording's row of the table that is printed, its notes, and Young's modulus where the size of
+/// the thing is known.
+pub(super) fn row(name: &str, report: &StrikesReport, has_solid: bool) -> String {
     let estimate = &report.estimate;
     let t60_s = |choose: fn(f64, f64) -> f64, start: f64| {
         estimate.modes.iter().map(multi_strike::ModeEstimate::t60_s).fold(start, choose)
     };
     let notes: String = report.notes.iter().map(|note| format!("  {note}\n")).collect();
     format!(
-        "{name:32} {:>5} {:>7} {:>17} {:>7} {:>7.1}\n{notes}",
+        "{name:32} {:>5} {:>7} {:>17} {:>7} {:>7.1}\n{notes}{}",
         estimate.modes.len(),
         "-",
         format!("{:.3} to {:.2}", t60_s(f64::min, f64::INFINITY), t60_s(f64::max, 0.0)),
         estimate.strikes.len(),
-        report.seconds
+        report.seconds,
+        modulus_line(report.young_modulus_pa.as_ref(), has_solid)
     )
 }
