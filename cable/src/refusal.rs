@@ -240,7 +240,7 @@ impl fmt::Display for Refusal {
             Self::ChunksMissing { expected, chunks } => {
                 write!(
                     f,
-                    "the upload was ended too early: of {chunks} chunks, chunk {expected} and those behind it are missing"
+                    "the upload was ended too early: chunk {expected} and those behind it are missing, of {chunks} in all"
                 )
             }
             Self::NotAKit => write!(f, "the bytes are not a kit: build it anew with malleus kit build"),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use kit::counting::counted;
 use serde::Serialize;
 
 use crate::audio::{self, Recording};
@@ -198,14 +199,14 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let provenance = Provenance {
         name: stem,
         source: format!(
-            "{file}, strike at {:.3} s: {} fit {} (malleus fit), {} modes",
+            "{file}, strike at {:.3} s: {} fit {} (malleus fit), {}",
             strike.hit.onset as f64 / recording.rate_hz,
             match options.strike.estimator {
                 strike::Estimator::Modal => "modal",
                 strike::Estimator::Bins => "bins",
             },
             if recording.force.is_some() { "with the measured force divided out" } else { "from sound alone" },
-            fit.modes.len()
+            counted(fit.modes.len(), "modes")
         ),
         licence: options.licence.clone(),
     };

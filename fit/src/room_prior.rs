@@ -23,6 +23,7 @@
 
 use dsp_core::table::range::{ROOM_DECAY_PER_S, ROOM_GAIN, Range};
 use kit::RoomBand;
+use kit::counting::counted;
 
 /// Hyperparameters of eq. 19 to 22.
 ///
@@ -60,7 +61,11 @@ impl Default for Scalings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScalingsError {
     /// The numbers of gains and decays differ.
-    #[error("there are {gains} raw gains and {decays} raw decays: give one of each for each band")]
+    #[error(
+        "{} and {} are given: give one of each for each band",
+        counted(*gains, "raw gains"),
+        counted(*decays, "raw decays")
+    )]
     Lengths {
         /// Number of raw gains given.
         gains: usize,

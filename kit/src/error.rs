@@ -6,6 +6,7 @@ use dsp_core::table::range::CHAIN_DEPTH;
 use dsp_core::table::{Place, TableError};
 
 use crate::content::Kit;
+use crate::counting::counted;
 use crate::file::FileError;
 use crate::nearest;
 
@@ -148,7 +149,7 @@ pub enum Fault {
         known: Vec<String>,
     },
     /// A mode has more or fewer gains than another mode, or than its own other phase.
-    #[error("{found} gains: must be {expected}, {why}")]
+    #[error("{}: must be {expected}, {why}", counted(*found, "gains"))]
     GainCount {
         /// Number of gains.
         found: usize,
@@ -158,7 +159,7 @@ pub enum Fault {
         why: &'static str,
     },
     /// An array has more or fewer numbers than another array requires.
-    #[error("{key} has {found} numbers: must have {expected}, {why}")]
+    #[error("{key} has {}: must have {expected}, {why}", counted(*found, "numbers"))]
     NumberCount {
         /// Key of the array.
         key: &'static str,
@@ -173,7 +174,7 @@ pub enum Fault {
     #[error("a2 and b2: give both in every breakpoint (second order), or in none (first order)")]
     MixedOrder,
     /// A chain has another number of biquads than the first chain of its bank.
-    #[error("{found} biquads: must be {expected}, as many as the first chain has")]
+    #[error("{}: must be {expected}, as many as the first chain has", counted(*found, "biquads"))]
     ChainDepth {
         /// Number of biquads in the chain.
         found: usize,
@@ -184,7 +185,7 @@ pub enum Fault {
     #[error("heights: all are the same; a surface must have waves")]
     Flat,
     /// The heights of a map do not fill its rows.
-    #[error("heights: {heights} numbers do not make {rows} rows of one length; give as many to each row")]
+    #[error("heights: {} cannot make {rows} rows of one length; give as many to each row", counted(*heights, "numbers"))]
     Uneven {
         /// Number of heights.
         heights: usize,

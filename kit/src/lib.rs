@@ -22,6 +22,7 @@
 //! ```
 
 pub mod binary;
+pub mod counting;
 pub mod file;
 pub mod text;
 

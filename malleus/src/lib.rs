@@ -3,7 +3,6 @@
 //! The sound itself comes from `dsp-core`, the instrument that a board runs, or from `reference`,
 //! the same model in `f64`. This crate only reads, renders through one of the two, and writes.
 
-pub mod counting;
 pub mod csv_text;
 pub mod demo;
 pub mod events;

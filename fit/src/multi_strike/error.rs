@@ -1,5 +1,7 @@
 //! Reasons for which strikes are not fitted together.
 
+use kit::counting::counted;
+
 use super::layout::Layout;
 
 /// Least number of strikes that are fitted together.
@@ -22,7 +24,8 @@ pub enum StrikesError {
     },
     /// There are too few strikes.
     #[error(
-        "{found} strikes are heard, and at least 2 are fitted together: give a recording with more, or leave out --events"
+        "{} heard, and at least 2 are fitted together: give a recording with more, or leave out --events",
+        counted(*found, "strikes")
     )]
     TooFew {
         /// Number of strikes that are heard.
@@ -30,7 +33,8 @@ pub enum StrikesError {
     },
     /// There are too few strikes for the layout that was asked for.
     #[error(
-        "{found} strikes are heard, and --positions {positions} with --strikers {strikers} needs at least {needed}: give a recording with more strikes, or smaller numbers"
+        "{} heard, and --positions {positions} with --strikers {strikers} needs at least {needed}: give a recording with more strikes, or smaller numbers",
+        counted(*found, "strikes")
     )]
     TooFewForLayout {
         /// Number of strikes that are heard.

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use kit::counting::counted;
+
 use super::error::SurfaceError;
 use super::heights::Heights;
 use super::options::Note;
@@ -32,7 +34,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(H
             columns = numbers.len();
         }
         if numbers.len() != columns {
-            return Err(at(line, format!("{} columns, {columns} before", numbers.len())));
+            return Err(at(line, format!("{}, {columns} before", counted(numbers.len(), "columns"))));
         }
         values.extend(numbers);
         lines.push(line);

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use kit::counting::counted;
+
 /// Reason why no table can be made of a surface. Its message says what is wrong, where, and what to
 /// do.
 #[derive(Debug, thiserror::Error)]
@@ -80,7 +82,8 @@ pub enum SurfaceError {
     },
     /// Too few points to tell a surface.
     #[error(
-        "{points} points a row are too few to tell a surface: give a profile, or rows of a map, of at least {least}"
+        "{} a row cannot tell a surface: give a profile, or rows of a map, of at least {least}",
+        counted(*points, "points")
     )]
     TooFew {
         /// Number of points of a row.

@@ -185,7 +185,7 @@ fn invalid_biquads_are_refused_with_their_place() {
     assert!(refusal("gain = 0.125", "gain = nan").contains("chain 0, biquad 0: gain = NaN: must be from"));
     assert_eq!(
         refusal(", { pole = [0.875, 0.25], zero = [1, 0], gain = 8 } ]", " ]"),
-        "test.toml:30:5: object 1 \"bar\", biquads, chain 1: 1 biquads: must be 2, as many as the first chain has"
+        "test.toml:30:5: object 1 \"bar\", biquads, chain 1: 1 biquad: must be 2, as many as the first chain has"
     );
     assert!(refusal("rate_hz = 44100", "rate_hz = 0").contains("biquads: rate_hz = 0: must be from 8000 to 192000"));
     let chain = |biquads: usize| format!("    [ {} ],\n", vec!["{ pole = [0.5, 0.5], gain = 1 }"; biquads].join(", "));

@@ -100,7 +100,7 @@ fn more_bands_than_fit_and_arrays_of_unlike_length_are_refused() {
         "{message}"
     );
     let message = refusal("[100, 200.5, 400]", "[100]");
-    assert!(message.contains("decay_db_per_s has 1 numbers: must have 3, as many as weight has"), "{message}");
+    assert!(message.contains("decay_db_per_s has 1 number: must have 3, as many as weight has"), "{message}");
     let message = refusal("[100, 200.5, 400]", "[]\nother = 1");
     assert!(message.starts_with("test.toml:18:1: unknown key `other`"), "{message}");
 }

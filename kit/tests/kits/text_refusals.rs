@@ -166,10 +166,7 @@ fn gains_of_unequal_lengths_are_refused_with_their_line() {
         "test.toml:8:5: object 0 \"bar\", mode 1: 2 gains: must be 1, as many as the object's first mode has"
     );
     let message = refusal(mode, "330.0, decay_per_s = 3.2, gain_sine = [1.0, 2.0], gain_cosine = 1.0");
-    assert_eq!(
-        message,
-        "test.toml:8:5: object 0 \"bar\", mode 1: 1 gains: must be 2, as many gain_cosine as gain_sine"
-    );
+    assert_eq!(message, "test.toml:8:5: object 0 \"bar\", mode 1: 1 gain: must be 2, as many gain_cosine as gain_sine");
     let message = refusal(
         "contact_time_s = 0.001",
         "contact_time_s = 0.001\nmodes = [{ frequency_hz = 1, decay_per_s = 1, gain_sine = [1, 2] }]",

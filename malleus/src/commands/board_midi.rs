@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use malleus::counting::counted;
+use kit::counting::counted;
 use malleus::events::usb_midi::{self, Packet};
 use malleus::events::{EventsError, EventsFault};
 use virtual_board::{UsbAction, UsbHost, UsbReport};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use malleus::counting::counted;
+use kit::counting::counted;
 use virtual_board::Report;
 
 pub(super) fn text(report: &Report) -> String {
@@ -30,17 +30,17 @@ pub(super) fn text(report: &Report) -> String {
     let rate = audio.rate.as_deref().unwrap_or("no rate");
     let _ = writeln!(
         text,
-        "I2S: {rate} Hz, {frames} frames in {}, {}; {} halves, {} late, worst load {:.1} %",
+        "I2S: {rate} Hz, {frames} frames in {}, {}; {}, {} late, worst load {:.1} %",
         counted(audio.streams.len(), "streams"),
         counted(underruns, "underruns"),
-        audio.halves,
+        counted(audio.halves, "halves"),
         audio.late_halves,
         100.0 * audio.worst_load.unwrap_or(0.0)
     );
     let _ = writeln!(
         text,
-        "ADC: {} sequences, {} lost",
-        report.adc.sequences,
+        "ADC: {}, {} lost",
+        counted(report.adc.sequences, "sequences"),
         counted(report.adc.lost_triggers, "triggers")
     );
     for interrupt in &report.interrupts {
@@ -49,9 +49,9 @@ pub(super) fn text(report: &Report) -> String {
             .map_or(String::new(), |cycles| format!(", latency at most {:.2} us", microseconds(cycles as f64)));
         let _ = writeln!(
             text,
-            "{:14} {:8} times, {:5.1} % of the time, at most {:.1} us{latency}",
+            "{:14} {:>14}, {:5.1} % of the time, at most {:.1} us{latency}",
             interrupt.name,
-            interrupt.count,
+            counted(interrupt.count, "times"),
             100.0 * interrupt.cycles as f64 / (report.seconds * report.core_hz),
             microseconds(interrupt.worst_span_cycles as f64)
         );

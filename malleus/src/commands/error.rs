@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use malleus::counting::counted;
+use kit::counting::counted;
 use malleus::events::EventsError;
 use malleus::plot::PlotError;
 use malleus::render::instrument::RenderError;
@@ -95,7 +95,8 @@ pub(crate) enum CommandError {
     )]
     NoStriker,
     #[error(
-        "--first-note {first_note}: MIDI notes end at 127, which is enough for {pads} pads, and the tables have more; give a lower first note, or fewer tables"
+        "--first-note {first_note}: MIDI notes end at 127, which is enough for {}, and the tables have more; give a lower first note, or fewer tables",
+        counted(*pads, "pads")
     )]
     NotesEnd { first_note: u8, pads: usize },
     #[error("{file}: cannot be read: {error}")]

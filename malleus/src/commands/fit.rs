@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use ::fit::material::{self, Interval, Material};
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
+use ::kit::counting::counted;
 use ::kit::file::check_writable;
 use indicatif::ProgressBar;
 use malleus::report;
@@ -250,11 +251,11 @@ fn as_text(rows: &[Row], has_solid: bool) -> String {
         text += &match &row.outcome {
             Outcome::Fitted { report } => fitted_row(&name, report, has_solid),
             Outcome::Filtered { report } => format!(
-                "{name:32} {} modes, {} loops: decay within 15 % in {} of {} Bark bands, median error {:.0} %, {:.1} s\n",
-                report.modes,
-                report.loops,
+                "{name:32} {}, {}: decay within 15 % in {} of {}, median error {:.0} %, {:.1} s\n",
+                counted(report.modes, "modes"),
+                counted(report.loops, "loops"),
                 report.bands_within_15_percent,
-                report.bands,
+                counted(report.bands, "Bark bands"),
                 100.0 * report.median_error,
                 report.seconds
             ),

@@ -8,14 +8,15 @@ use ::fit::material::{self, Guess, Interval, RingingMode};
 use ::fit::multi_strike::{self, Estimate, Layout};
 use ::fit::table::Provenance;
 use ::kit::Kit;
+use ::kit::counting::counted;
 use dsp_core::fixed::FULL_SCALE_24_BIT;
 use indicatif::ProgressBar;
 use malleus::render::replay::replay;
 use malleus::report::{StrikesPage, write_strikes_page};
 use serde::Serialize;
 
-use super::fit_job::{Job, with_file};
 use super::fit::modulus_line;
+use super::fit_job::{Job, with_file};
 use crate::arguments::{EstimatorName, FitArguments};
 
 /// Figures of a recording whose strikes were fitted together.
@@ -155,9 +156,9 @@ fn provenance(input: &Path, estimate: &Estimate, arguments: &FitArguments) -> Pr
     Provenance {
         name: input.file_stem().unwrap_or(input.as_os_str()).to_string_lossy().into_owned(),
         source: format!(
-            "{file}, {} strikes together (malleus fit), {} modes",
-            estimate.strikes.len(),
-            estimate.modes.len()
+            "{file}, {} together (malleus fit), {}",
+            counted(estimate.strikes.len(), "strikes"),
+            counted(estimate.modes.len(), "modes")
         ),
         licence: arguments.licence.clone(),
     }

@@ -7,6 +7,7 @@ use dsp_core::memory::WORD_BYTES;
 use dsp_core::table::Kit;
 use dsp_core::voice::Form;
 use kit::Loaded;
+use kit::counting::counted;
 use malleus::render::headroom::{self, Loudness};
 use malleus::render::{board, force, instrument};
 use serde::Serialize;
@@ -298,14 +299,16 @@ impl BoardFinding {
     fn of_chord(&self) -> String {
         let all_modes = self.chord_shed.iter().map(|shed| shed.of_modes).sum::<usize>();
         let is_all =
-            self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 0;
+            self.chord_shed.iter().all(|shed| shed.modes == shed.of_modes) && all_modes == self.modes && all_modes > 1;
         let modes = self
             .chord_shed
             .iter()
             .filter(|_| !is_all)
-            .map(|shed| format!("{} of {} modes of {:?}", shed.modes, shed.of_modes, shed.pad));
-        let stages = (self.chord_refused_stages > 0)
-            .then(|| format!("{} residuals, dynamic filters and biquad banks", self.chord_refused_stages));
+            .map(|shed| format!("{} of {} of {:?}", shed.modes, counted(shed.of_modes, "modes"), shed.pad));
+        let stages = (self.chord_refused_stages > 0).then(|| {
+            let stages = counted(self.chord_refused_stages, "stages");
+            format!("{stages} among residuals, dynamic filters and biquad banks")
+        });
         let everything = is_all.then(|| format!("all {all_modes} modes"));
         let all: Vec<String> = everything.into_iter().chain(modes).chain(stages).collect();
         match all.is_empty() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use dsp_core::SampleRate;
-use malleus::counting::counted;
+use kit::counting::counted;
 use malleus::render::headroom::{self, LARGEST_FORCE};
 
 use super::error::CommandError;

@@ -1,8 +1,8 @@
 //! Facts on a kit that `malleus kit build`, `check` and `show` share: opening, counting, the
 //! report.
 
+use kit::counting::counted;
 use kit::{BankStatistics, Loaded};
-use malleus::counting::counted;
 use serde::Serialize;
 
 use super::error::CommandError;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use kit::counting::counted;
 use malleus::motion::trials::{Shape, Trial};
 use serde::Serialize;
 
@@ -120,13 +121,13 @@ fn parameters(shape: Shape) -> Parameters {
 }
 
 fn as_text(report: &MotionReport<'_>) -> String {
-    let contacts = if report.contacts == 1 { "1 contact".to_owned() } else { format!("{} contacts", report.contacts) };
     format!(
-        "{}: {} on pad {}, {contacts}, {} lines, {:.3} to {:.3} s\nway {:.4} m, at most {:.4} m/s\n",
+        "{}: {} on pad {}, {}, {}, {:.3} to {:.3} s\nway {:.4} m, at most {:.4} m/s\n",
         report.output.display(),
         report.motion,
         report.pad,
-        report.lines,
+        counted(report.contacts, "contacts"),
+        counted(report.lines, "lines"),
         report.start_s,
         report.end_s,
         report.way_m,

@@ -7,7 +7,7 @@ use dsp_core::engine::{Setup, Skipping, TickReport};
 use dsp_core::event::{Action, Event};
 use dsp_core::resonator::TICK_FRAMES;
 use dsp_core::table::Kit;
-use malleus::counting::counted;
+use kit::counting::counted;
 use malleus::render::force::{self, ForceLoad};
 use malleus::render::instrument::{Output, Settings};
 use malleus::render::level::{Level, held_frames};
@@ -112,8 +112,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     wave::write_stereo(&arguments.output, rate.hz(), &frames)?;
     if work.refused_scrapes > 0 {
         eprintln!(
-            "malleus: {name}: {} touches are left out: an engine has two contacts at once, and a board has time for few",
-            work.refused_scrapes
+            "malleus: {name}: {} left out: an engine has two contacts at once, and a board has time for few",
+            counted(work.refused_scrapes, "touches")
         );
     }
     let force = (!arguments.reference).then(|| force::load(kit, &performance.events, rate));
@@ -164,21 +164,21 @@ fn warn_of_clipping(kit: &str, level: &Level, force: Option<ForceLoad>) {
     }
     if level.saturated_samples > 0 {
         eprintln!(
-            "malleus: {kit}: {} samples stand at the end of the bus, +24 dBFS, and may be clipped there; lower the pads' level_db",
-            level.saturated_samples
+            "malleus: {kit}: {} at the end of the bus, +24 dBFS, may be clipped there; lower the pads' level_db",
+            counted(level.saturated_samples, "samples")
         );
     }
     if level.held_frames > 0 {
         eprintln!(
-            "malleus: {kit}: a pad's sound is clipped in {} frames, at +24 dBFS before its level_db; lower its object's gains (of scrapes and rolls, surface_level_db), and raise the level_db as much",
-            level.held_frames
+            "malleus: {kit}: a pad's sound is clipped in {}, at +24 dBFS before its level_db; lower its object's gains (of scrapes and rolls, surface_level_db), and raise the level_db as much",
+            counted(level.held_frames, "frames")
         );
     }
     if level.clipped_samples > 0 {
         let peak_dbfs = level.peak_dbfs().unwrap_or_default();
         eprintln!(
-            "malleus: {kit}: {} samples are clipped, since the peak is {peak_dbfs:+.1} dBFS; lower the pads' level_db as malleus kit check proposes",
-            level.clipped_samples
+            "malleus: {kit}: clipped in {}, since the peak is {peak_dbfs:+.1} dBFS; lower the pads' level_db as malleus kit check proposes",
+            counted(level.clipped_samples, "samples")
         );
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use dsp_core::SampleRate;
 use dsp_core::engine::{CostItem, TickReport};
+use kit::counting::counted;
 use serde::Serialize;
 
 /// Sums over the reports of all ticks (docs/json.md).
@@ -108,14 +109,14 @@ impl PlayReport<'_> {
         text += &match (self.unclipped_peak_dbfs, self.clipped_samples) {
             (None, _) => "silence".to_owned(),
             (Some(peak), 0) => format!("peak {peak:.1} dBFS"),
-            (Some(peak), clipped) => format!("peak {peak:+.1} dBFS before {clipped} samples were clipped"),
+            (Some(peak), clipped) => format!("peak {peak:+.1} dBFS, clipped in {}", counted(clipped, "samples")),
         };
         if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
             text += &match work.shed_modes {
                 0 => format!("; nothing is left out within {cycles} cycles per tick"),
                 modes => {
-                    let ticks = work.shedding_ticks;
-                    format!("; {modes} modes are left out in {ticks} ticks to stay within {cycles} cycles per tick")
+                    let (modes, ticks) = (counted(modes, "modes"), counted(work.shedding_ticks, "ticks"));
+                    format!("; {modes} left out in {ticks} to stay within {cycles} cycles per tick")
                 }
             };
         }

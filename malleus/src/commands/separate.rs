@@ -8,6 +8,7 @@ use ::fit::material::{self, Identified, Material, RingingMode};
 use ::fit::modes::Settings;
 use ::fit::separate::{self, Blow, Clip, Known, PartMode, STEPS, SeparateError, Separation, Stems};
 use ::fit::table::Provenance;
+use kit::counting::counted;
 use malleus::wave::write_mono;
 use serde::Serialize;
 
@@ -188,7 +189,11 @@ fn write_tables(
         let times_s: Vec<f64> = own.clone().filter_map(|(_, stems)| loudest(&stems.blows)).collect();
         let provenance = Provenance {
             name: name.clone(),
-            source: format!("{} recordings (malleus separate), {} modes", own.count(), modes.len()),
+            source: format!(
+                "{} (malleus separate), {}",
+                counted(own.count(), "recordings"),
+                counted(modes.len(), "modes")
+            ),
             licence: arguments.licence.clone(),
         };
         let contact_time_s = ::fit::score::quantile(&times_s, 0.5).clamp(1e-4, 0.02);

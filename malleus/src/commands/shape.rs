@@ -8,6 +8,7 @@ use ::shape::outline::Outline;
 use ::shape::solve::{self, Geometry, HIGHEST_HZ, SolveError, Solved, Wanted};
 use ::shape::surface::Surface;
 use ::shape::table::kept_decay_per_s;
+use kit::counting::counted;
 use serde::Serialize;
 
 use super::error::CommandError;
@@ -237,13 +238,13 @@ fn report<'a>(input: &'a Path, table: &'a Path, page: Option<&'a Path>, solved: 
 
 fn as_text(shown: &ShapeReport<'_>) -> String {
     let mut text = format!(
-        "{}: {} modes of a body of {:.3} g; {} unknowns in {} elements; {} modes below {:.1} Hz by inertia, {} of them rigid\n",
+        "{}: {} of a body of {:.3} g; {} in {}; {} below {:.1} Hz by inertia, {} of them rigid\n",
         shown.table.display(),
-        shown.modes.len(),
+        counted(shown.modes.len(), "modes"),
         1e3 * shown.mass_kg,
-        shown.unknowns,
-        shown.elements,
-        shown.counted,
+        counted(shown.unknowns, "unknowns"),
+        counted(shown.elements, "elements"),
+        counted(shown.counted, "modes"),
         shown.counted_to_hz,
         shown.rigid
     );

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use ::shape::tune::{self, Tuned, Wish};
+use kit::counting::counted;
 use serde::Serialize;
 
 use super::output::progress;
@@ -47,12 +48,12 @@ impl UndercutReport {
     pub(super) fn as_text(&self) -> String {
         let ratios: Vec<String> = self.ratios.iter().map(|ratio| format!("{ratio:.4}")).collect();
         format!(
-            "undercut: {:.3} Hz, {}; {:.2} mm thick where it is thinnest, {:.2} mm long, after {} steps\n",
+            "undercut: {:.3} Hz, {}; {:.2} mm thick where it is thinnest, {:.2} mm long, after {}\n",
             self.frequencies_hz.first().copied().unwrap_or(0.0),
             ratios.join(" : "),
             1e3 * self.thinnest_m,
             1e3 * self.length_m,
-            self.steps
+            counted(self.steps, "steps")
         )
     }
 }

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use kit::counting::counted;
 use malleus::loudness::loudest_lkfs;
 use malleus::study::recognition::{self, Confusion, MOTIONS, NAMES};
 use malleus::study::{Experiment, PAGE_FILE, RATE, Rated, Scene, StudyTrial, methods, trials, write_page};
@@ -148,9 +149,9 @@ impl PageReport {
             return print_json(self);
         }
         print(&format!(
-            "{}: {} trials, each by {}; open it in a browser, rate the sounds, and save the ratings at the end\n",
+            "{}: {}, each by {}; open it in a browser, rate the sounds, and save the ratings at the end\n",
             self.page.display(),
-            self.trials,
+            counted(self.trials, "trials"),
             self.methods.join(", ")
         ))
     }
@@ -201,8 +202,11 @@ fn stand_in(renderings: u32, seed: u32, json: bool) -> Result<(), CommandError> 
 
 fn as_text(report: &StandInReport) -> String {
     let mut text = format!(
-        "{} renderings of each motion to learn from, {} to be tested by; pad {}, striker {}\n",
-        report.renderings, report.renderings, report.pad, report.striker
+        "{} of each motion to learn from, {} to be tested by; pad {}, striker {}\n",
+        counted(report.renderings, "renderings"),
+        report.renderings,
+        report.pad,
+        report.striker
     );
     for method in &report.methods {
         text += &format!(

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ::fit::surface::{self, Options, Report, Source};
+use kit::counting::counted;
 use malleus::report::{SurfacePage, write_surface_page};
 use serde::Serialize;
 
@@ -96,8 +97,8 @@ fn as_text(shown: &SurfaceReport<'_>) -> String {
     );
     if !report.bands.is_empty() {
         text += &format!(
-            "curvature in {} thirds of octaves: {:.2} dB rms from the surface's, at most {:.2} dB\n",
-            report.bands.len(),
+            "curvature in {} of a third of an octave: {:.2} dB rms from the surface's, at most {:.2} dB\n",
+            counted(report.bands.len(), "bands"),
             report.band_rms_db,
             report.band_max_db
         );

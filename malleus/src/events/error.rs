@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use kit::counting::counted;
+
 /// Refusal of a file of events: it cannot be read, or the kit cannot play it.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {fault}", path.display())]
@@ -68,7 +70,7 @@ pub enum EventsFault {
     #[error("MIDI timing of 0 ticks: a quarter note, or a second, must have at least one; export it again")]
     MidiTiming,
     /// The kit maps none of the file's MIDI notes to a pad.
-    #[error("none of its {notes} notes is in midi_notes of any pad; the kit plays {mapped}")]
+    #[error("it has {}, and none is in midi_notes of any pad; the kit plays {mapped}", counted(*notes, "notes"))]
     NoMappedNote {
         /// Number of notes in the file.
         notes: usize,

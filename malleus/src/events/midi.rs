@@ -10,7 +10,7 @@ use midly::{Fps, MetaMessage, MidiMessage, Smf, Timing, TrackEventKind};
 
 use super::error::EventsFault;
 use super::list::{EventList, time_from_seconds};
-use crate::counting::counted;
+use kit::counting::counted;
 
 /// Channel of General MIDI percussion, counted from 0: users know it as channel 10.
 const PERCUSSION_CHANNEL: u8 = 9;

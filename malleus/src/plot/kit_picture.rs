@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use kit::counting::counted;
+
 use super::canvas::{Area, Canvas};
 use super::colour::{Colour, DRIVEN, FRAME, VIRIDIS, WAVEFORM};
 use super::error::PlotError;
@@ -92,7 +94,7 @@ fn draw_object(canvas: &mut Canvas, area: Area, object: &ObjectPicture, t60: Sca
         object.modes.iter().fold((f64::INFINITY, 0.0f64), |(low, high), mode| (low.min(mode.1), high.max(mode.1)));
     let remark = match object.modes.len() {
         0 => "no modes".to_owned(),
-        count => format!("{count} modes, T60 {:.2} to {:.2} s", range.0, range.1),
+        count => format!("{}, T60 {:.2} to {:.2} s", counted(count, "modes"), range.0, range.1),
     };
     let remark = format!("{remark}{}", filters_remark(object));
     heading(canvas, area, &object.name, &remark);
@@ -120,7 +122,7 @@ fn filters_remark(object: &ObjectPicture) -> String {
     match (object.filter.len(), object.loops_hz.len()) {
         (0, _) => {}
         (_, 0) => remark += ", dynamic filter",
-        (_, loops) => remark += &format!(", dynamic filter with {loops} loops"),
+        (_, loops) => remark += &format!(", dynamic filter with {}", counted(loops, "loops")),
     }
     if !object.biquads.is_empty() {
         remark += ", biquads";

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use kit::counting::counted;
+
 use super::canvas::{Area, Canvas};
 use super::colour::{ACCELERATION, Colour, DIRECT, DRIVEN, FRAME, FREE, INK, LANE, MAGMA, STRIKER, WAVEFORM};
 use super::error::PlotError;
@@ -86,7 +88,8 @@ pub fn performance_png(path: &Path, performance: &Performance<'_>) -> Result<Vec
     let height = 100.0 + heights.iter().sum::<f32>() + GAP_PX * 4.0 + 60.0;
     let mut canvas = page::blank(path, WIDTH, height as u32)?;
     canvas.text(performance.title, (LEFT, 46.0), Anchor::Start, TITLE_TEXT);
-    let remark = format!("{duration_s:.1} s at {:.0} Hz, {} strikes", performance.rate_hz, performance.strikes.len());
+    let strikes = counted(performance.strikes.len(), "strikes");
+    let remark = format!("{duration_s:.1} s at {:.0} Hz, {strikes}", performance.rate_hz);
     canvas.text(&remark, (LEFT + PLOT_WIDTH, 46.0), Anchor::End, REMARK_TEXT);
 
     let mut top = 100.0;

@@ -9,7 +9,7 @@ use super::document::document;
 use super::error::ReportError;
 use super::markup::escaped;
 use super::page::{Summary, material, significant};
-use crate::counting::counted;
+use kit::counting::counted;
 
 /// File name of the index.
 pub const INDEX_FILE: &str = "index.html";

@@ -312,3 +312,11 @@ fn places_on_a_drawing_and_a_picture_have_y_below_zero_from_the_upper_left_corne
         }
     }
 }
+
+#[test]
+fn one_mode_is_counted_as_one() {
+    let folder = with_bar();
+    let done = shape(folder.path(), "bar.toml -o table.toml --modes 1 --error 0.05");
+    let printed = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success() && printed.contains("table.toml: 1 mode of a body"), "{printed}");
+}

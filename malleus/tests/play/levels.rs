@@ -21,14 +21,14 @@ fn clipped_samples_are_counted_and_the_peak_before_clipping_is_told() {
         let (loud, told, sound) = played("loud.toml", renderer);
         let at_the_end = sound.iter().filter(|sample| !(-(1 << 23) + 1..(1 << 23) - 1).contains(*sample)).count();
         assert_eq!(loud["clipped_samples"], at_the_end, "{loud}");
-        assert!(at_the_end > 100 && told.contains(&format!("{at_the_end} samples are clipped")), "{told}");
+        assert!(at_the_end > 100 && told.contains(&format!("clipped in {at_the_end} samples, since")), "{told}");
         let [soft, loud_peak] = [&soft, &loud].map(|report| report["unclipped_peak_dbfs"].as_f64().unwrap());
         assert!((loud_peak - soft - 30.0).abs() < 0.01 && loud_peak > 0.0, "{soft} {loud_peak}");
         assert!(loud["peak_dbfs"].as_f64().unwrap().abs() < 1e-5);
     }
     let output = folder.malleus("play --kit loud.toml --strikes s.csv -o out.wav");
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("samples were clipped") && text.contains("peak +"), "{text}");
+    assert!(text.contains("dBFS, clipped in ") && text.contains(" samples") && text.contains("peak +"), "{text}");
 }
 
 #[test]

@@ -148,5 +148,5 @@ fn events_of_a_single_strike_are_refused_by_name() {
     let folder = Folder::new();
     let sound = fit::multi_strike::synthetic::plain(8, 1.5, 1, -60.0);
     write_recording(&folder.path("once.wav"), &sound.samples);
-    folder.refuses("fit once.wav -o once.toml --events once.csv", &["once.wav", "strikes", "--events"]);
+    folder.refuses("fit once.wav -o once.toml --events once.csv", &["once.wav: 1 strike heard", "--events"]);
 }

@@ -11,6 +11,7 @@ mod mass;
 mod search;
 
 use factor::Plan;
+use kit::counting::counted;
 use thiserror::Error;
 
 /// Symmetric matrices of stiffness and mass with one pattern: the lower triangle by columns, rows
@@ -62,7 +63,7 @@ pub struct Modes {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum EigenError {
     /// Fewer unknowns than modes asked for, or none.
-    #[error("{wanted} modes asked for, but there are only {size} unknowns")]
+    #[error("{} asked for, and the body has {}", counted(*wanted, "modes"), counted(*size, "unknowns"))]
     TooFew {
         /// Number of unknowns.
         size: usize,

@@ -1,5 +1,7 @@
 //! What can be wrong with an outline.
 
+use kit::counting::counted;
+
 use super::Point;
 
 /// Reason why an outline cannot be a body. Rings and sides are counted from 0, the outer ring is 0.
@@ -9,7 +11,7 @@ pub enum OutlineError {
     #[error("the outline has no ring: give at least 3 points of the outer ring")]
     Empty,
     /// A ring of too few points to enclose anything.
-    #[error("ring {ring} has {points} different points: give at least 3")]
+    #[error("ring {ring} has {}: give at least 3", counted(*points, "different points"))]
     TooFewPoints {
         /// Ring.
         ring: usize,

@@ -1,5 +1,7 @@
 //! Errors on the way from a shape to its modes.
 
+use kit::counting::counted;
+
 use crate::eigen::EigenError;
 use crate::element;
 use crate::file::FileError;
@@ -58,7 +60,11 @@ pub enum SolveError {
     #[error("an error of {0} is asked for; it must be above 0 and below 0.5")]
     Error(f64),
     /// Number of supports that is not that of the sides.
-    #[error("support.edges has {given} entries, and the outline {sides} sides: {listed}; give one entry for each")]
+    #[error(
+        "support.edges has {}, and the outline {}: {listed}; give one entry for each",
+        counted(*given, "entries"),
+        counted(*sides, "sides")
+    )]
     Edges {
         /// Number in the file.
         given: usize,

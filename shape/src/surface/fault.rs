@@ -1,5 +1,7 @@
 //! Places of faults in STL and OBJ files, which the readers do not name.
 
+use kit::counting::counted;
+
 /// Size of a binary STL file's header with its count of triangles, and of a triangle, bytes.
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
@@ -57,7 +59,7 @@ fn of_text(text: &str) -> Option<String> {
         expected = (expected + 1) % LINES.len();
         triangles += usize::from(expected == 0);
     }
-    Some(format!("the file ends after {triangles} triangles without \"endsolid\": it is cut off"))
+    Some(format!("the file ends after {} without \"endsolid\": it is cut off", counted(triangles, "triangles")))
 }
 
 /// Finds the first fault of an OBJ file; `reason` is what its reader said.
@@ -80,7 +82,7 @@ pub(super) fn of_obj(text: &[u8], reason: &str) -> String {
             let is_there = |index: i64| index != 0 && index.unsigned_abs() <= vertices as u64;
             if let Some(word) = words.iter().find(|word| !vertex(word).is_ok_and(is_there)) {
                 return format!(
-                    "line {number} has {}, and {} is none of the {vertices} vertices of the file{advice}",
+                    "line {number} has {}, and {} is no vertex of the file, which has {vertices}{advice}",
                     told(line),
                     told(word)
                 );

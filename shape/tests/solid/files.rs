@@ -80,9 +80,9 @@ fn obj_files_that_cannot_be_read_say_where_and_what_to_do() {
     for (text, line, fault) in [
         ("# box\nv a b c\nf 1 2 3\n", "line 2", "a vertex has three numbers"),
         ("v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", "line 2", "\"v 1 0\""),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 4\n", "line 5", "\"4\" is none of the 3 vertices"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "line 4", "\"x\" is none of"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4", "\"0\" is none of"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 4\n", "line 5", "\"4\" is no vertex of the file, which has 3"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", "line 4", "\"x\" is no vertex of"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "line 4", "\"0\" is no vertex of"),
     ] {
         let message = obj(text);
         assert!(message.contains(line) && message.contains(fault) && message.contains("export"), "{text}{message}");

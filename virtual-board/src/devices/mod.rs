@@ -346,8 +346,9 @@ impl Devices {
         let tree = self.rcc.tree()?;
         let needed = self.wiring.chip.wait_states(tree.core);
         if u32::from(self.flash.switches().wait_states) < needed {
+            let states = if needed == 1 { "wait state" } else { "wait states" };
             let reason = format!(
-                "the core runs at {}, which needs {needed} wait states of flash; FLASH_ACR.LATENCY is {}",
+                "the core runs at {}, which needs {needed} {states} of flash; FLASH_ACR.LATENCY is {}",
                 tree.core,
                 self.flash.switches().wait_states
             );

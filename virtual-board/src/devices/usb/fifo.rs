@@ -73,7 +73,8 @@ impl Received {
     /// Removes and returns the oldest entry, whose data the program reads next.
     pub(super) fn pop(&mut self) -> Access<Entry> {
         if !self.words.is_empty() {
-            let reason = format!("GRXSTSP is read while {} words of the last packet are unread", self.words.len());
+            let reason =
+                format!("GRXSTSP is read while the last packet has unread words, {} of them", self.words.len());
             return Err(Problem::Misuse { reason });
         }
         let Some(entry) = self.entries.pop_front() else {

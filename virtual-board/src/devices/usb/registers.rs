@@ -115,7 +115,7 @@ impl Usb {
             0x018 => self.mask = value,
             0x024 => {
                 if !(16..=256).contains(&value) {
-                    let reason = format!("GRXFSIZ is {value} words; it must be 16 to 256");
+                    let reason = format!("GRXFSIZ is {value}; it must be 16 to 256 words");
                     return Err(Problem::Misuse { reason });
                 }
                 self.received.depth = value;
@@ -185,8 +185,8 @@ impl Usb {
         let (start, depth) = (value & 0xffff, value >> 16);
         if depth < 16 || start + depth > FIFO_WORDS || start < self.received.depth {
             let reason = format!(
-                "transmit FIFO {index} has {depth} words from {start} on; it must have at least 16, behind the receive \
-                 FIFO of {} and within {FIFO_WORDS}",
+                "transmit FIFO {index} begins at word {start} and has a depth of {depth}; it must have at least 16 words, \
+                 behind the receive FIFO of {} and within {FIFO_WORDS}",
                 self.received.depth
             );
             return Err(Problem::Misuse { reason });
