@@ -54,7 +54,8 @@ impl Fitted {
 /// Fits filters of second and of first order, and keeps the one whose table keeps more bands within
 /// 15 %.
 ///
-/// The instrument plays both tables. It refuses paths on which complex poles become real ones.
+/// Both are fitted at the same time. The instrument plays both tables, and refuses paths on which
+/// complex poles become real ones.
 ///
 /// # Errors
 /// [`FitError::Render`] if the instrument plays neither.
@@ -63,20 +64,13 @@ pub fn fitted(heard: &Heard, beside: Beside, provenance: &Provenance) -> Result<
         Beside::Modes => Way::Additive(form),
         Beside::Loops => Way::Waveguide(form),
     };
-    let mut best: Result<Fitted, FitError> = Err(FitError::Render(String::new()));
-    for form in [Form::SecondOrder, Form::FirstOrder] {
-        let model = way(form).model(heard);
-        let found = heard_in_instrument(heard, &model, provenance);
-        let is_better = match (&best, &found) {
-            (Ok(best), Ok(found)) => found.bands_within() > best.bands_within(),
-            (Ok(_), Err(_)) => false,
-            (Err(_), _) => true,
-        };
-        if is_better {
-            best = found;
-        }
+    let of_form = |form| heard_in_instrument(heard, &way(form).model(heard), provenance);
+    let (second, first) = rayon::join(|| of_form(Form::SecondOrder), || of_form(Form::FirstOrder));
+    match (second, first) {
+        (Ok(second), Ok(first)) if first.bands_within() > second.bands_within() => Ok(first),
+        (Ok(second), _) => Ok(second),
+        (Err(_), first) => first,
     }
-    best
 }
 
 fn heard_in_instrument(heard: &Heard, model: &Model, provenance: &Provenance) -> Result<Fitted, FitError> {

@@ -162,7 +162,7 @@ fn what_moves_slower_than_20_hz_is_no_mode_of_the_strike() {
         let file = FilePath::new(env!("SHARED_DATA")).join("recordings").join(name).with_extension("wav");
         let heard = heard_in(&file).expect("a strike");
         let slowest = heard.modes.iter().map(|mode| mode.frequency_hz).fold(f64::INFINITY, f64::min);
-        assert!((20.0..2_000.0).contains(&slowest), "{name}: {slowest} Hz");
+        assert!(slowest >= 20.0 && slowest.is_finite(), "{name}: {slowest} Hz");
         assert_eq!(heard.emergence_db.len(), heard.modes.len());
     }
 }
