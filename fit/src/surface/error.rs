@@ -82,7 +82,7 @@ pub enum SurfaceError {
     },
     /// Too few points to tell a surface.
     #[error(
-        "{} a row cannot tell a surface: give a profile, or rows of a map, of at least {least}",
+        "{} a row is too few to tell a surface: give a profile, or rows of a map, of at least {least}",
         counted(*points, "points")
     )]
     TooFew {
