@@ -37,8 +37,8 @@ struct Decoded {
 /// Reads the loudest channel of an audio file, and the force channel (counted from 0) if one is
 /// named.
 ///
-/// The force channel is never taken for the loudest. A noticeable constant offset is subtracted. Of
-/// a file of more than 120 s only the beginning is read. Notes tell both.
+/// The force channel never counts as the loudest. A constant offset that stands out of the noise is
+/// subtracted, and files of more than 120 s are cut there. A note says which of the two was done.
 ///
 /// # Errors
 /// [`FitError`] if the file cannot be read, is no audio, is empty, lacks the channel, or holds

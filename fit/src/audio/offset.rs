@@ -18,10 +18,10 @@ const LEAST_VARIANCE: f64 = 1e-16;
 
 /// Constant offset of a channel of `length` samples, full scale 1; 0 if none is noticeable.
 ///
-/// The estimate is the weighted mean of the means of short blocks. A block's weight is the inverse
-/// of its variance, so that quiet blocks count most. The standard deviation of the estimate follows
-/// from the scatter of the blocks' means. An offset of less than [`LEAST_DEVIATIONS`] is taken for
-/// noise: the function gives 0, and the channel keeps all its bits.
+/// The channel is cut into short blocks, and the mean of each is weighted by the inverse of the
+/// block's variance: quiet blocks count most. The weighted mean of these means is the estimate, and
+/// their scatter gives its standard deviation. An estimate below [`LEAST_DEVIATIONS`] is noise: the
+/// function returns 0, and the channel keeps all its bits.
 pub(super) fn constant_offset(samples: impl Iterator<Item = f64>, length: usize, rate_hz: f64) -> f64 {
     let size = ((BLOCK_S * rate_hz) as usize).min(length / LEAST_BLOCKS);
     if size == 0 {

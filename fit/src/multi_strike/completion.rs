@@ -29,7 +29,7 @@ const FAR_MORE: f64 = 8.0;
 ///
 /// A model that lacks a mode of one striker leaves a loud residual behind each of that striker's
 /// strikes. They look misplaced, and a search for strikes does not help. With `are_modes_first`
-/// modes are looked for before strikes. No mode is added within `apart_hz` of another.
+/// modes are looked for before strikes. No mode is added within `apart_hz` of one of the model's.
 pub(crate) fn completed(
     fitted: &Fitted,
     samples: &[f64],
@@ -151,4 +151,30 @@ fn unworthy(spreads: &[f64], least: f64, is_near: impl Fn(usize, usize) -> bool)
         }
     }
     dropped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::synthetic::plain;
+    use crate::multi_strike::truth::model_of;
+
+    #[test]
+    fn modes_that_are_missing_are_added_unless_they_lie_too_near_others() {
+        let sound = plain(8, 6.0, 10, -60.0);
+        let mut model = model_of(&sound);
+        let missing = model.poles[model.poles.len() / 2];
+        model.drop_modes(&[model.poles.len() / 2]);
+        let left = residual(&model, &sound.samples);
+        let nearest_hz = |model: &Model| {
+            let off = |pole: &Pole| (pole.frequency_hz(sound.rate_hz) - missing.frequency_hz(sound.rate_hz)).abs();
+            model.poles.iter().map(off).fold(f64::INFINITY, f64::min)
+        };
+        let apart_hz = nearest_hz(&model);
+        for (apart_hz, is_added) in [(0.0, true), (0.5 * apart_hz, true), (2.0 * apart_hz, false)] {
+            let mut more = model.clone();
+            add_modes(&mut more, &left, sound.rate_hz, Settings::default(), apart_hz);
+            assert_eq!(nearest_hz(&more) < 1.0, is_added, "{apart_hz} Hz");
+        }
+    }
 }

@@ -20,7 +20,7 @@ const SETTLED_S: f64 = 0.0025;
 const UNEXPLAINED_AT_FIRST: f64 = 0.89;
 
 /// Fit of a recording without a room, and the filter of its noise, from moments near which strikes
-/// begin and modes between them. Later ones are added `apart_hz` from others or farther.
+/// begin and modes between them. None is added later within `apart_hz` of a known one.
 pub(super) fn dry(
     samples: &[f64],
     from: (Vec<usize>, FreeModes),

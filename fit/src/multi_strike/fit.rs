@@ -148,8 +148,8 @@ fn thing<'a>(
 
 /// The fit without modes at zeros of all contacts.
 ///
-/// All other parameters keep their values: a new descent would move them to explain the energy that
-/// the dropped modes have explained.
+/// No other parameter changes. Descended again, the modes that are left would bend to make up for
+/// those that are gone.
 fn without_zeros(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let at_zeros = modes_at_zeros(&fitted.model);
     if at_zeros.is_empty() {

@@ -97,7 +97,8 @@ fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
     near > NEAR * all
 }
 
-/// The model without modes near louder ones: a room makes them of one mode.
+/// The model without modes within [`NEAR_HZ`] of one with [`LOUDER`] times their energy: the room
+/// makes several modes of one.
 fn without_companions(mut model: Model, rate_hz: f64) -> Model {
     let energy = |mode: usize| model.gains[mode][0].norm_sqr() / model.poles[mode].decay;
     let frequency_hz = |mode: usize| model.poles[mode].frequency_hz(rate_hz);
@@ -113,8 +114,7 @@ fn without_companions(mut model: Model, rate_hz: f64) -> Model {
 
 /// Distance in Hz from a mode's frequency up to which sound counts as the mode's in a room.
 const NEAR_HZ: f64 = 20.0;
-/// Least ratio of a mode's energy to that of another near it from which the other is the room's:
-/// 10 dB.
+/// Ratio of the energies of two modes near one another above which the weaker is dropped: 10 dB.
 const LOUDER: f64 = 10.0;
 /// Least share of the energy near modes at which a response is a room's.
 ///
@@ -196,7 +196,10 @@ fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Complex;
+
     use super::*;
+    use crate::modes::Pole;
     use crate::multi_strike::begin::begun;
     use crate::multi_strike::synthetic::{self, StruckOften, plain};
 
@@ -230,5 +233,25 @@ mod tests {
     fn modes_that_a_fit_lacks_are_taken_for_no_room() {
         let sound = plain(8, 6.0, 10, -60.0);
         assert!(fitted(&sound, 6).is_none());
+    }
+
+    #[test]
+    fn only_modes_near_far_louder_ones_are_dropped_as_the_rooms() {
+        let rate_hz = 44_100.0;
+        let mut model = Model {
+            poles: Vec::new(),
+            gains: Vec::new(),
+            owners: Vec::new(),
+            acceleration: 0.0,
+            contact_times_are_held: false,
+            strikes: Vec::new(),
+        };
+        // 12 dB and 8 dB weaker beside the loudest, and 40 dB weaker but more than 20 Hz from any.
+        for (frequency_hz, gain) in [(900.0, 1.0), (919.0, 0.25), (890.0, 0.4), (869.0, 0.01)] {
+            model.push(Pole::new(frequency_hz, 5.0, rate_hz), Complex::new(gain, 0.0), None);
+        }
+        let kept = without_companions(model, rate_hz);
+        let kept_hz: Vec<f64> = kept.poles.iter().map(|pole| pole.frequency_hz(rate_hz).round()).collect();
+        assert_eq!(kept_hz, [900.0, 890.0, 869.0]);
     }
 }

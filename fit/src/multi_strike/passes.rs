@@ -24,7 +24,8 @@ const MOST_STALLED: usize = 2;
 
 /// The fit with what it lacks and without what explains too little, and the filter of its noise.
 ///
-/// No mode is added within `apart_hz` of another: 0 where there is no room ([`super::in_room`]).
+/// No mode is added within `apart_hz` of one that the fit has: 0 outside rooms
+/// ([`super::in_room`]).
 pub(super) fn completed_fit(
     first: Fitted,
     samples: &[f64],

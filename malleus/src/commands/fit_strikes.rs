@@ -198,8 +198,8 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     notes
 }
 
-/// A recording's row of the table that is printed, its notes, and Young's modulus where the size of
-/// the thing is known.
+/// Lines printed for a recording: its row of figures, its notes, and Young's modulus if the size of
+/// the thing is given.
 pub(super) fn row(name: &str, report: &StrikesReport, has_solid: bool) -> String {
     let estimate = &report.estimate;
     let t60_s = |choose: fn(f64, f64) -> f64, start: f64| {

@@ -139,9 +139,9 @@ pub fn write_stereo(path: &Path, rate_hz: f64, frames: &[[i32; 2]]) -> Result<()
 
 /// Makes the bytes of a WAV file of 24-bit stereo samples; `path` is named in the error.
 ///
-/// The header holds the whole number of Hz nearest to `rate_hz`. It is the plain header of 44 bytes
-/// (format 1, PCM): libraries write 24 bits as "extensible", which simple readers refuse, among
-/// them Python's `wave` before 3.12.
+/// The file says `rate_hz` rounded to whole Hz. Its header is the plain one of 44 bytes (format 1,
+/// PCM). Libraries write an "extensible" header for 24 bits, which simple readers refuse, such as
+/// Python's `wave` before 3.12.
 ///
 /// # Errors
 /// [`WaveError`] with the file's path, if the sound is longer than 4 GiB.
