@@ -10,7 +10,7 @@ use super::model::{Model, Strike};
 use super::start::missing as missing_strike;
 use super::tied::tied_modes;
 use super::whitening::Whitening;
-use crate::modes::{Pole, Settings};
+use crate::modes::Settings;
 
 /// Time in seconds from a known strike within which a change is its own error.
 const KNOWN_S: f64 = 0.008;
@@ -29,17 +29,17 @@ const FAR_MORE: f64 = 8.0;
 ///
 /// A model that lacks a mode of one striker leaves a loud residual behind each of that striker's
 /// strikes. They look misplaced, and a search for strikes does not help. With `are_modes_first`
-/// modes are looked for before strikes. No mode is added within `apart_hz` of one of the model's.
+/// modes are looked for before strikes.
 pub(crate) fn completed(
     fitted: &Fitted,
     samples: &[f64],
     whitening: &Whitening,
     rate_hz: f64,
-    (settings, are_modes_first, apart_hz): (Settings, bool, f64),
+    (settings, are_modes_first): (Settings, bool),
 ) -> Model {
     let mut model = fitted.model.clone();
     if are_modes_first {
-        add_modes(&mut model, &fitted.residual, rate_hz, settings, apart_hz);
+        add_modes(&mut model, &fitted.residual, rate_hz, settings);
         if model.poles.len() > fitted.model.poles.len() {
             return model;
         }
@@ -61,13 +61,13 @@ pub(crate) fn completed(
     model.strikes.extend(missing);
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
     if is_complete && !are_modes_first {
-        add_modes(&mut model, &left, rate_hz, settings, apart_hz);
+        add_modes(&mut model, &left, rate_hz, settings);
     }
     model
 }
 
-/// Adds the modes that ring in what a model leaves, none within `apart_hz` of one that it has.
-fn add_modes(model: &mut Model, left: &[f64], rate_hz: f64, settings: Settings, apart_hz: f64) {
+/// Adds the modes that ring in what a model leaves.
+fn add_modes(model: &mut Model, left: &[f64], rate_hz: f64, settings: Settings) {
     let few = Settings { most_modes: settings.most_modes.saturating_sub(model.poles.len()), ..settings };
     let loudest = model.gains.iter().flatten().map(|gain| gain.norm()).fold(0.0, f64::max);
     // Gains that differ from strike to strike have no sum that all strikes share.
@@ -78,9 +78,7 @@ fn add_modes(model: &mut Model, left: &[f64], rate_hz: f64, settings: Settings, 
     } else {
         tied_modes(model, left, rate_hz, few)
     };
-    let known: Vec<f64> = model.poles.iter().map(|pole| pole.frequency_hz(rate_hz)).collect();
-    let is_apart = |pole: &Pole| known.iter().all(|hz| (hz - pole.frequency_hz(rate_hz)).abs() >= apart_hz);
-    for pole in poles.into_iter().filter(is_apart).take(MOST_AT_A_TIME) {
+    for pole in poles.into_iter().take(MOST_AT_A_TIME) {
         // The first step finds the gain, which is linear.
         model.push(pole, Complex::new(1e-6 * loudest, 0.0), None);
     }
@@ -151,30 +149,4 @@ fn unworthy(spreads: &[f64], least: f64, is_near: impl Fn(usize, usize) -> bool)
         }
     }
     dropped
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::multi_strike::synthetic::plain;
-    use crate::multi_strike::truth::model_of;
-
-    #[test]
-    fn modes_that_are_missing_are_added_unless_they_lie_too_near_others() {
-        let sound = plain(8, 6.0, 10, -60.0);
-        let mut model = model_of(&sound);
-        let missing = model.poles[model.poles.len() / 2];
-        model.drop_modes(&[model.poles.len() / 2]);
-        let left = residual(&model, &sound.samples);
-        let nearest_hz = |model: &Model| {
-            let off = |pole: &Pole| (pole.frequency_hz(sound.rate_hz) - missing.frequency_hz(sound.rate_hz)).abs();
-            model.poles.iter().map(off).fold(f64::INFINITY, f64::min)
-        };
-        let apart_hz = nearest_hz(&model);
-        for (apart_hz, is_added) in [(0.0, true), (0.5 * apart_hz, true), (2.0 * apart_hz, false)] {
-            let mut more = model.clone();
-            add_modes(&mut more, &left, sound.rate_hz, Settings::default(), apart_hz);
-            assert_eq!(nearest_hz(&more) < 1.0, is_added, "{apart_hz} Hz");
-        }
-    }
 }

@@ -20,12 +20,12 @@ const SETTLED_S: f64 = 0.0025;
 const UNEXPLAINED_AT_FIRST: f64 = 0.89;
 
 /// Fit of a recording without a room, and the filter of its noise, from moments near which strikes
-/// begin and modes between them. None is added later within `apart_hz` of a known one.
+/// begin and modes between them.
 pub(super) fn dry(
     samples: &[f64],
     from: (Vec<usize>, FreeModes),
     rate_hz: f64,
-    (settings, apart_hz): (Settings, f64),
+    settings: Settings,
     layout: Layout,
     told: &dyn Fn(f64),
 ) -> Result<(Fitted, Whitening), StrikesError> {
@@ -36,7 +36,7 @@ pub(super) fn dry(
     if usable.len() == all.len() {
         StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
     }
-    completed_fit(first, samples, rate_hz, (settings, apart_hz), layout, &|share| told(0.6 + 0.4 * share))
+    completed_fit(first, samples, rate_hz, settings, layout, &|share| told(0.6 + 0.4 * share))
 }
 
 /// Modes between strikes, and moments near which strikes begin, in turn.

@@ -135,7 +135,7 @@ fn thing<'a>(
     }
     let [from, to] = if may_have_room { [0.25, 0.5] } else { [0.0, 0.85] };
     let told_dry = |share: f64| told(from + (to - from) * share);
-    let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, (settings, 0.0), layout, &told_dry)?;
+    let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
     // A room that a poor start hides is heard behind a whole fit.
     if may_have_room && energy(&fitted.residual) > COLOURED * fitted.energy {
         let told = |share: f64| told(to + (0.85 - to) * share);

@@ -5,10 +5,6 @@
 //! Modes and contacts are fitted to the sound as if it were dry. The response follows from the
 //! residual ([`super::reflections`]). The room's sound is subtracted from the recording, and the
 //! rest is fitted again.
-//!
-//! The response has peaks and dips a few Hz apart, so that one mode in a room sounds like several.
-//! A fit with several modes for each one ends at wrong poles and at a wrong time of all contacts.
-//! So a fit in a room begins without modes near louder ones, and none is added near another.
 
 use super::begin::at_best_time;
 use super::descend::{Ending, Fitted, descend};
@@ -52,7 +48,6 @@ pub(super) fn in_room(
     told: &dyn Fn(f64),
 ) -> Option<InRoom> {
     let left = energy(&first.residual);
-    let first = Fitted::new(without_companions(first.model, rate_hz), samples, &Whitening::none());
     let mut turn = dried(first, samples, samples, rate_hz).descended();
     let wet: Vec<f64> = samples.iter().zip(&turn.dry).map(|(x, dry)| x - dry).collect();
     if energy(&turn.fitted.residual) > HEARD * left || !is_near_modes(&wet, &turn.fitted.model, rate_hz) {
@@ -97,25 +92,8 @@ fn is_near_modes(sound: &[f64], model: &Model, rate_hz: f64) -> bool {
     near > NEAR * all
 }
 
-/// The model without modes within [`NEAR_HZ`] of one with [`LOUDER`] times their energy: the room
-/// makes several modes of one.
-fn without_companions(mut model: Model, rate_hz: f64) -> Model {
-    let energy = |mode: usize| model.gains[mode][0].norm_sqr() / model.poles[mode].decay;
-    let frequency_hz = |mode: usize| model.poles[mode].frequency_hz(rate_hz);
-    let is_companion = |mode: usize, other: usize| {
-        (frequency_hz(mode) - frequency_hz(other)).abs() < NEAR_HZ && energy(mode) * LOUDER < energy(other)
-    };
-    let modes = 0..model.poles.len();
-    let dropped: Vec<usize> =
-        modes.clone().filter(|&mode| modes.clone().any(|other| is_companion(mode, other))).collect();
-    model.drop_modes(&dropped);
-    model
-}
-
-/// Distance in Hz from a mode's frequency up to which sound counts as the mode's in a room.
+/// Distance in Hz from a mode's frequency up to which energy counts as near the mode.
 const NEAR_HZ: f64 = 20.0;
-/// Ratio of the energies of two modes near one another above which the weaker is dropped: 10 dB.
-const LOUDER: f64 = 10.0;
 /// Least share of the energy near modes at which a response is a room's.
 ///
 /// The sets *room* have shares of 0.45 to 0.91, and a model of too few modes has 0.09.
@@ -137,10 +115,10 @@ impl InRoom {
             let onsets = rises(&self.dry, rate_hz);
             let few = Settings { most_modes: settings.most_modes.min(MORE_MODES), ..settings };
             let free = free_modes(&self.dry, &onsets, Guard::OF_RISE, rate_hz, few, &[])?;
-            dry(&self.dry, (onsets, free), rate_hz, (settings, NEAR_HZ), layout, &|share| told(0.5 + 0.5 * share)).ok()
+            dry(&self.dry, (onsets, free), rate_hz, settings, layout, &|share| told(0.5 + 0.5 * share)).ok()
         };
         let told = |share: f64| told(0.5 * share);
-        let continued = completed_fit(self.fitted.clone(), &self.dry, rate_hz, (settings, NEAR_HZ), layout, &told).ok();
+        let continued = completed_fit(self.fitted.clone(), &self.dry, rate_hz, settings, layout, &told).ok();
         let left = |(fitted, _): &(Fitted, Whitening)| energy(&fitted.residual);
         [continued, anew()].into_iter().flatten().min_by(|a, b| left(a).total_cmp(&left(b)))
     }
@@ -196,10 +174,7 @@ fn dried(fitted: Fitted, sound: &[f64], samples: &[f64], rate_hz: f64) -> InRoom
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Complex;
-
     use super::*;
-    use crate::modes::Pole;
     use crate::multi_strike::begin::begun;
     use crate::multi_strike::synthetic::{self, StruckOften, plain};
 
@@ -233,25 +208,5 @@ mod tests {
     fn modes_that_a_fit_lacks_are_taken_for_no_room() {
         let sound = plain(8, 6.0, 10, -60.0);
         assert!(fitted(&sound, 6).is_none());
-    }
-
-    #[test]
-    fn only_modes_near_far_louder_ones_are_dropped_as_the_rooms() {
-        let rate_hz = 44_100.0;
-        let mut model = Model {
-            poles: Vec::new(),
-            gains: Vec::new(),
-            owners: Vec::new(),
-            acceleration: 0.0,
-            contact_times_are_held: false,
-            strikes: Vec::new(),
-        };
-        // 12 dB and 8 dB weaker beside the loudest, and 40 dB weaker but more than 20 Hz from any.
-        for (frequency_hz, gain) in [(900.0, 1.0), (919.0, 0.25), (890.0, 0.4), (869.0, 0.01)] {
-            model.push(Pole::new(frequency_hz, 5.0, rate_hz), Complex::new(gain, 0.0), None);
-        }
-        let kept = without_companions(model, rate_hz);
-        let kept_hz: Vec<f64> = kept.poles.iter().map(|pole| pole.frequency_hz(rate_hz).round()).collect();
-        assert_eq!(kept_hz, [900.0, 890.0, 869.0]);
     }
 }

@@ -23,14 +23,11 @@ const MOST_GROWN: f64 = 2.0;
 const MOST_STALLED: usize = 2;
 
 /// The fit with what it lacks and without what explains too little, and the filter of its noise.
-///
-/// No mode is added within `apart_hz` of one that the fit has: 0 outside rooms
-/// ([`super::in_room`]).
 pub(super) fn completed_fit(
     first: Fitted,
     samples: &[f64],
     rate_hz: f64,
-    (settings, apart_hz): (Settings, f64),
+    settings: Settings,
     layout: Layout,
     told: &dyn Fn(f64),
 ) -> Result<(Fitted, Whitening), StrikesError> {
@@ -42,7 +39,7 @@ pub(super) fn completed_fit(
         fitted = Fitted::new(fitted.model, samples, &whitening);
         fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
         let are_modes_first = stalled > 0 && layout.strikers > 1;
-        let more = completed(&fitted, samples, &whitening, rate_hz, (settings, are_modes_first, apart_hz));
+        let more = completed(&fitted, samples, &whitening, rate_hz, (settings, are_modes_first));
         let is_complete = more == fitted.model;
         fitted = descend(Fitted::new(more, samples, &whitening), samples, &whitening, Ending::COMPLETION);
         for _ in 0..PRUNINGS {
@@ -102,9 +99,8 @@ mod tests {
         model.drop_modes(&own);
         let first = Fitted::new(model, &sound.samples, &Whitening::none());
         let layout = Layout { positions: truth.places(), strikers: 2 };
-        let (fitted, _) =
-            completed_fit(first, &sound.samples, sound.rate_hz, (Settings::default(), 0.0), layout, &|_| {})
-                .expect("strikes are told");
+        let (fitted, _) = completed_fit(first, &sound.samples, sound.rate_hz, Settings::default(), layout, &|_| {})
+            .expect("strikes are told");
         for &mode in &own {
             let pole = truth.poles[mode];
             let is_near = |found: &&crate::modes::Pole| (found.angular - pole.angular).abs() < pole.decay;
