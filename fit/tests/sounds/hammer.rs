@@ -318,8 +318,8 @@ fn near_measured_widths(name: &str, count: usize) -> usize {
         quantile(&errors_db, 0.5),
         quantile(&errors_db, 1.0)
     );
-    // docs/multi-strike.md: 9.8 dB at most.
-    assert!(quantile(&errors_db, 1.0) <= 12.5, "{name}: impulses are off by {errors_db:.1?} dB");
+    // docs/multi-strike.md: 7.0 dB at most.
+    assert!(quantile(&errors_db, 1.0) <= 10.0, "{name}: impulses are off by {errors_db:.1?} dB");
     near
 }
 
@@ -345,8 +345,7 @@ fn strikes_on_a_mug_are_found_together_from_sound_alone() {
 }
 
 #[test]
-#[ignore = "more than a minute: cargo test -p fit --test sounds contact_times -- --ignored --nocapture"]
-fn three_quarters_of_all_contact_times_are_right_together() {
-    let near = near_measured_widths("hammer_ceramic.wav", 8) + near_measured_widths("hammer_wood.wav", 10);
-    assert!(4 * near >= 3 * 18, "{near} of 18");
+#[cfg_attr(not(has_shared_data), ignore = "needs the recordings in ../shared/data")]
+fn strikes_on_wood_are_found_together_from_sound_alone() {
+    assert!(near_measured_widths("hammer_wood.wav", 10) >= 8);
 }
