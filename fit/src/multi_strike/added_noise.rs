@@ -1,15 +1,15 @@
 //! White noise for recordings that have next to none.
 //!
 //! The fit compares strikes and modes with the noise between strikes. Rounding and the leakage of
-//! windows, 100 dB below the peak, are louder than the noise of such a recording, and would be
-//! taken for strikes and modes.
+//! windows, 100 dB below the peak, are louder than the noise of such a recording, and so are errors
+//! of the contacts' form; they would be taken for strikes and modes, or for a room.
 
 use super::rises::quietest_db;
 use crate::random::SplitMix64;
 
 /// Level of the quietest frames in dB of the peak's power, below which noise is added. The frames
-/// lie 6 dB below the noise: this is noise of -94 dB.
-const LEAST_DB: f64 = -100.0;
+/// lie 6 dB below the noise: this is noise of -80 dB.
+const LEAST_DB: f64 = -86.0;
 /// Rms of the added noise relative to the peak: -72 dB.
 const ADDED: f64 = 2.5e-4;
 /// Seed of the noise, so that equal recordings give equal fits.

@@ -105,3 +105,48 @@ fn strikes_behind_the_first_two_minutes_are_fitted() {
     let is_found = |at_s: f64| times_s.iter().any(|time_s| (time_s - at_s).abs() < 1e-3);
     assert!(sound.strikes.iter().all(|strike| is_found(strike.at_s)), "{times_s:?}");
 }
+
+#[test]
+fn played_strikes_rounded_to_16_bits_are_all_found() {
+    let folder = TempDir::new().expect("a folder");
+    let text = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let times_s = [0.3, 0.7, 1.4, 2.4, 2.9];
+    let velocities = [0.3, 0.75, 0.48, 0.93, 0.66];
+    let lines: String = times_s.iter().zip(velocities).map(|(at, v)| format!("{at},marimba,{v}\n")).collect();
+    fs::write(text("played.csv"), format!("time_s,pad,velocity\n{lines}")).expect("written");
+    let played = Command::new(env!("CARGO_BIN_EXE_malleus"))
+        .args(["play", "--kit", "demo", "--strikes", &text("played.csv"), "-o", &text("played.wav")])
+        .output()
+        .expect("the program runs");
+    assert!(played.status.success(), "{}", String::from_utf8_lossy(&played.stderr));
+    let mut reader = hound::WavReader::open(text("played.wav")).expect("a WAV file");
+    let rate_hz = reader.spec().sample_rate;
+    let left: Vec<i32> = reader.samples::<i32>().step_by(2).map(|sample| sample.expect("a sample")).collect();
+    // Half of full scale: rounding to 16 bits makes a noise 95 dB below the peak.
+    let peak = left.iter().map(|x| x.abs()).max().expect("not empty");
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: rate_hz,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut writer = hound::WavWriter::create(text("taps.wav"), spec).expect("can be written");
+    for x in left {
+        let rounded = (f64::from(x) / f64::from(peak) * 16_384.0).round();
+        writer.write_sample(rounded as i16).expect("written");
+    }
+    writer.finalize().expect("written");
+    let flags = ["-o", &text("taps.toml"), "--events", &text("taps.csv")];
+    let output = malleus(&[&folder.path().join("taps.wav")], &flags);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let events = read(&folder.path().join("taps.csv"));
+    let found_s: Vec<f64> = events
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').next().and_then(|at| at.parse().ok()).expect("a time"))
+        .collect();
+    let is_found = |at: f64| found_s.iter().any(|found| (found - at).abs() < 2e-3);
+    assert!(times_s.into_iter().all(is_found), "{events}");
+    // The instrument's pulses are no half-sines, and what that leaves may pass for a weak strike.
+    assert!(found_s.len() <= times_s.len() + 1, "{events}");
+}
