@@ -27,8 +27,8 @@ const FIRST_MODES: usize = 16;
 /// Ratio of the power that modes leave between strikes to that of its innovation from which a room
 /// may have coloured it: 5 dB. Clips of 12 s in rooms have 5.2 dB or more.
 const COLOURED: f64 = 3.2;
-/// Share of the recording's energy from which the sound of modes at zeros is fitted again by what is
-/// left without them: -20 dB.
+/// Share of the recording's energy that modes at zeros must carry for the others to be fitted anew
+/// without them: -20 dB.
 const HEARD_AT_ZEROS: f64 = 0.01;
 
 /// A fitted recording with the bounds of its numbers.
@@ -151,9 +151,9 @@ fn thing<'a>(
 
 /// The fit without modes at zeros of all contacts.
 ///
-/// All else is fitted again only if those modes are heard: strikes on a hammer's wooden holder have
-/// all their zeros at a mode that carries 13 % of the energy. Where they are not, other modes would
-/// bend to make up for them.
+/// All else stays as it is if those modes are quiet, because other modes would bend to make up for
+/// them. If they are loud, it is fitted anew: a fit of strikes on a hammer's wooden holder had all
+/// its contacts' zeros at one mode that carried a third of the energy.
 fn without_zeros(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
     let at_zeros = modes_at_zeros(&fitted.model);
     if at_zeros.is_empty() {
