@@ -8,8 +8,8 @@ use super::rises::quietest_db;
 use crate::random::SplitMix64;
 
 /// Level of the quietest frames in dB of the peak's power, below which noise is added. The frames
-/// lie 6 dB below the noise: this is noise of -80 dB.
-const LEAST_DB: f64 = -86.0;
+/// lie 6 dB below the noise: this is noise of -88 dB.
+const LEAST_DB: f64 = -94.0;
 /// Rms of the added noise relative to the peak: -72 dB.
 const ADDED: f64 = 2.5e-4;
 /// Seed of the noise, so that equal recordings give equal fits.

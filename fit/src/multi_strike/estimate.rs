@@ -111,7 +111,7 @@ pub struct Estimate {
 
 /// Fits all strikes of a recording together, by maximum likelihood.
 ///
-/// If the noise of a recording lies more than about 80 dB below its peak, white noise at -72 dB of
+/// If the noise of a recording lies more than about 88 dB below its peak, white noise at -72 dB of
 /// the peak is added before the fit. It is subtracted from the residual afterwards.
 ///
 /// Full scale of `samples` is 1. The model has one thing, struck at places and with strikers as the
