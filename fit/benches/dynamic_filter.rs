@@ -47,7 +47,7 @@ fn main() {
         let mut columns: Vec<Vec<Comparison>> = Vec::new();
         print!("| {name} | {} |", counted(&heard.law).count());
         for (way, sum) in ways.iter().zip(&mut sums) {
-            let model = way.model(&heard);
+            let model = way.model(&heard, &|_| {});
             let compared = compare(&heard.law, mean_law(&resynthesis(&model, &heard)).as_ref());
             let errors: Vec<f64> = compared.iter().map(Comparison::error).collect();
             let within = errors.iter().filter(|error| **error <= 0.15).count();

@@ -20,6 +20,9 @@ const MODES_MAKE: f64 = 0.5;
 const ROOM: f64 = 0.03;
 /// Maximum number of bands for which modes are tried after the first fit.
 const OFFERED: usize = 16;
+/// Shares of the time of a start after which modes are chosen, and after which it is corrected.
+const CHOSEN: f64 = 0.3;
+const CORRECTED: f64 = 0.6;
 /// Value of `Evaluation::missed` below which no other start is tried.
 const MET: f64 = 0.1;
 /// Value of 10 dB of emergence when modes are compared, in units of a band's squared error.
@@ -32,8 +35,14 @@ const PROMINENCE: f64 = 2e-3;
 /// which each stands out of the smooth part of the spectrum ([`crate::bark::emergence_db`]). The
 /// modes that bring the bands' decays nearest to the law are chosen; of equals, the more prominent
 /// one. Then filter and modes are fitted together, and the law asked for is corrected by the errors
-/// measured in the rendered sound.
-pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
+/// measured in the rendered sound. `told` gets the share of the work that is done.
+pub fn additive(
+    law: &DampingLaw,
+    modes: &[DampedSine],
+    emergence_db: &[f64],
+    form: Form,
+    told: &(dyn Fn(f64) + Sync),
+) -> Model {
     let times_s = times_s(law);
     let objective = Objective::new(law, &times_s);
     let off = |candidate: &Candidate| misfit(law, &times_s, &objective.powers(candidate));
@@ -52,16 +61,22 @@ pub fn additive(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], fo
         missing_modes(worst, modes, &taken).into_iter().map(with).collect()
     };
     let mut best: Option<Corrected<Candidate>> = None;
-    for mut candidate in starts(law, &objective, form) {
+    let starts = starts(law, &objective, form);
+    let count = starts.len() as f64;
+    for (start, mut candidate) in starts.into_iter().enumerate() {
+        let told = |share: f64| told((start as f64 + share) / count);
         let mut tried = Vec::new();
         for _ in 0..ROUNDS {
             candidate.modes = choose(law, modes, emergence_db, &candidate.filters);
             let found = objective.descend(&candidate);
             candidate.filters.clone_from(&found.filters);
             tried.push(found);
+            told(CHOSEN * tried.len() as f64 / ROUNDS as f64);
         }
         let Some(found) = tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
-        let now = complete(law, correct(law, &found, model_of, descend(law)), OFFERED, offered, model_of, descend(law));
+        let corrected = correct(law, &found, model_of, descend(law));
+        let told = |share: f64| told(CORRECTED + (1.0 - CORRECTED) * share);
+        let now = complete(law, corrected, OFFERED, &told, offered, model_of, descend(law));
         if best.as_ref().is_none_or(|best| now.evaluation.missed < best.evaluation.missed) {
             best = Some(now);
         }

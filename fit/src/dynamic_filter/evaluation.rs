@@ -148,19 +148,22 @@ pub(crate) fn missing_modes(band: &Comparison, modes: &[DampedSine], taken_hz: &
 
 /// Adds what `offered` proposes for the worst bands, as long as the evaluation improves.
 ///
-/// At most `bands` bands are tried, the worst first. A prediction judges each mode alone; where
-/// noise interferes, only the fit of all modes together tells.
+/// At most `bands` bands are tried, the worst first; `told` gets the share of them that is done. A
+/// prediction judges each mode alone; where noise interferes, only the fit of all modes together
+/// tells.
 pub(crate) fn complete<S: Clone + Send + Sync>(
     law: &DampingLaw,
     corrected: Corrected<S>,
     bands: usize,
+    told: &(dyn Fn(f64) + Sync),
     offered: impl Fn(&S, &Comparison) -> Vec<S> + Sync,
     model_of: impl Fn(&S) -> Model + Sync,
     descend: impl Fn(&DampingLaw, &S) -> S + Sync,
 ) -> Corrected<S> {
     let mut best = corrected;
     let mut given_up = Vec::new();
-    for _ in 0..bands {
+    for band in 0..bands {
+        told(band as f64 / bands as f64);
         let is_open = |band: &&Comparison| band.error() > GOOD && !given_up.contains(&band.recorded.bark);
         let worst = best.evaluation.bands.iter().filter(is_open).max_by(|a, b| a.error().total_cmp(&b.error()));
         let Some(worst) = worst.copied() else { break };

@@ -110,19 +110,20 @@ impl Way {
         }
     }
 
-    /// Fits a model to an analysed strike by this method.
-    pub fn model(self, heard: &Heard) -> Model {
+    /// Fits a model to an analysed strike by this method; `told` gets the share of the work that is
+    /// done.
+    pub fn model(self, heard: &Heard, told: &(dyn Fn(f64) + Sync)) -> Model {
         let Heard { law, modes, emergence_db, .. } = heard;
         match self {
             Self::ThreeBands => Model { path: noise_alone(law, Criterion::ThreeBands), ..Model::default() },
             Self::Noise(form) => Model { path: noise_alone(law, Criterion::AllBands(form)), ..Model::default() },
-            Self::Additive(form) => additive(law, modes, emergence_db, form),
+            Self::Additive(form) => additive(law, modes, emergence_db, form, told),
             Self::AverageFilter => {
                 let path = noise_alone(law, Criterion::AllBands(Form::SecondOrder));
                 let loops = by_average_filter(&path, modes, emergence_db, USUAL_BANDWIDTH_HZ);
                 Model { path, loops, ..Model::default() }
             }
-            Self::Waveguide(form) => waveguide(law, modes, emergence_db, form),
+            Self::Waveguide(form) => waveguide(law, modes, emergence_db, form, told),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Tables of models, and how much of a recording's damping the instrument keeps when it plays them.
 
+use std::sync::{Mutex, PoisonError};
+
 use nalgebra::Complex;
 
 use super::damping::{Comparison, compare, mean_law};
@@ -55,17 +57,30 @@ impl Fitted {
 /// 15 %.
 ///
 /// Both are fitted at the same time. The instrument plays both tables, and refuses paths on which
-/// complex poles become real ones.
+/// complex poles become real ones. `told` gets the share of the work that is done, from either.
 ///
 /// # Errors
 /// [`FitError::Render`] if the instrument plays neither.
-pub fn fitted(heard: &Heard, beside: Beside, provenance: &Provenance) -> Result<Fitted, FitError> {
+pub fn fitted(
+    heard: &Heard,
+    beside: Beside,
+    provenance: &Provenance,
+    told: &(dyn Fn(f64) + Sync),
+) -> Result<Fitted, FitError> {
     let way = |form| match beside {
         Beside::Modes => Way::Additive(form),
         Beside::Loops => Way::Waveguide(form),
     };
-    let of_form = |form| heard_in_instrument(heard, &way(form).model(heard), provenance);
-    let (second, first) = rayon::join(|| of_form(Form::SecondOrder), || of_form(Form::FirstOrder));
+    let done = Mutex::new([0.0; 2]);
+    let of_form = |order: usize, form: Form| {
+        let told = |share: f64| {
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            done[order] = share;
+            told(done.iter().sum::<f64>() / done.len() as f64);
+        };
+        heard_in_instrument(heard, &way(form).model(heard, &told), provenance)
+    };
+    let (second, first) = rayon::join(|| of_form(1, Form::SecondOrder), || of_form(0, Form::FirstOrder));
     match (second, first) {
         (Ok(second), Ok(first)) if first.bands_within() > second.bands_within() => Ok(first),
         (Ok(second), _) => Ok(second),

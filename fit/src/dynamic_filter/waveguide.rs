@@ -25,6 +25,8 @@ const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
 const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// Number of the descents' best results that are corrected.
 const CORRECTED: usize = 2;
+/// Share of the time after which loops are chosen for each end.
+const CHOSEN: f64 = 0.3;
 /// Number of rounds in which loops are chosen for a filter, and a filter for the loops.
 const ROUNDS: usize = 2;
 
@@ -35,8 +37,15 @@ const ROUNDS: usize = 2;
 /// falls faster. So the noise may end early. The burst is a strike, and the modes that it has
 /// excited in the loops go on round a filter that stands still, at `πΔf (1 - |F| γ_s)`. Bands that
 /// are gone by then are the filter's, and those that last are the loops'. Several ends are tried,
-/// and none. The best result is corrected by the errors measured in its rendered sound.
-pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], form: Form) -> Model {
+/// and none. The best result is corrected by the errors measured in its rendered sound. `told` gets
+/// the share of the work that is done.
+pub fn waveguide(
+    law: &DampingLaw,
+    modes: &[DampedSine],
+    emergence_db: &[f64],
+    form: Form,
+    told: &(dyn Fn(f64) + Sync),
+) -> Model {
     let times_s = times_s(law);
     let objective = Objective::new(law, &times_s);
     let last_s = times_s.last().copied().unwrap_or(0.0);
@@ -45,8 +54,10 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
     let mut found: Vec<(Model, Option<Candidate>)> = Vec::new();
     let starts = starts(law, &objective, form);
     let first_filters: Vec<Lattice> = starts.iter().filter_map(|start| start.filters.first().cloned()).collect();
-    for start in starts {
-        for end in ends.clone().chain([None]) {
+    let count = starts.len() as f64;
+    for (index, start) in starts.into_iter().enumerate() {
+        for (tried_ends, end) in ends.clone().chain([None]).enumerate() {
+            told(CHOSEN * (index as f64 + tried_ends as f64 / (ENDS.len() + 1) as f64) / count);
             let mut candidate = start.clone();
             candidate.freeze_after(end);
             let mut tried = Vec::new();
@@ -76,7 +87,8 @@ pub fn waveguide(law: &DampingLaw, modes: &[DampedSine], emergence_db: &[f64], f
             candidate.map(|candidate| correct(law, &candidate, |candidate| model_of(law, candidate), descend(law)));
         corrected.map_or((missed, model), |corrected| (corrected.evaluation.missed, corrected.model))
     });
-    let ringing = ringing::search(law, &objective, modes, followed, &first_filters);
+    let told = |share: f64| told(CHOSEN + (1.0 - CHOSEN) * share);
+    let ringing = ringing::search(law, &objective, modes, followed, &first_filters, &told);
     let all = corrected.chain(ringing.into_iter().map(|corrected| (corrected.evaluation.missed, corrected.model)));
     all.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Model::default, |(_, model)| model)
 }

@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 use std::path::Path as FilePath;
+use std::sync::Mutex;
 
 use fit::bark::{Centroids, DampingBand, DampingLaw, damping_law, frequency_hz};
 use fit::dynamic_filter::study::{Way, heard_in, resynthesis};
@@ -119,7 +120,11 @@ fn more_coefficients_and_more_bands_follow_a_law_better_than_three_bands_do() {
 /// The resynthesis has at most ten modes beside the filter.
 fn kept_damping(file: &FilePath) -> (usize, usize, f64) {
     let heard = heard_in(file).expect("a strike");
-    let model = Way::Additive(Form::FirstOrder).model(&heard);
+    let shares = Mutex::new(Vec::new());
+    let told = |share: f64| shares.lock().expect("no thread panics").push(share);
+    let model = Way::Additive(Form::FirstOrder).model(&heard, &told);
+    let shares = shares.into_inner().expect("no thread panics");
+    assert!(shares.len() > 3 && shares.is_sorted() && shares.iter().all(|share| (0.0..=1.0).contains(share)));
     assert!(model.modes.len() <= MOST_MODES && model.path.points.len() <= MOST_BREAKPOINTS);
     let compared = compare(&heard.law, mean_law(&resynthesis(&model, &heard)).as_ref());
     let errors: Vec<f64> = compared.iter().map(Comparison::error).collect();

@@ -35,8 +35,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         curves(&images.join(format!("dynamic_filter_{name}.png")), &picture)
     };
 
-    let first: Vec<_> =
-        heard.iter().map(|(material, heard)| (*material, Way::Noise(Form::FirstOrder).model(heard).path)).collect();
+    let first: Vec<_> = heard
+        .iter()
+        .map(|(material, heard)| (*material, Way::Noise(Form::FirstOrder).model(heard, &|_| {}).path))
+        .collect();
     draw(
         "coefficients",
         "The dynamic filter of wood, ceramic and metal",
@@ -44,10 +46,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         panels::coefficients(&first),
     )?;
 
-    let additive: Vec<Model> = heard.iter().map(|(_, heard)| Way::Additive(Form::SecondOrder).model(heard)).collect();
+    let additive: Vec<Model> =
+        heard.iter().map(|(_, heard)| Way::Additive(Form::SecondOrder).model(heard, &|_| {})).collect();
     let mut damping = Vec::new();
     for ((material, heard), additive) in heard.iter().zip(&additive) {
-        let waveguide = Way::Waveguide(Form::SecondOrder).model(heard);
+        let waveguide = Way::Waveguide(Form::SecondOrder).model(heard, &|_| {});
         let laws = [additive, &waveguide].map(|model| mean_law(&resynthesis(model, heard)));
         damping.push(panels::damping(material, heard, &laws));
     }

@@ -3,13 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use ::fit::material::{self, Interval, Material};
 use ::fit::recording::{Fitted, Options, Report, fit_file};
 use ::fit::strike::Estimator;
 use ::kit::counting::counted;
 use ::kit::file::check_writable;
-use indicatif::ProgressBar;
 use malleus::report;
 use malleus::wave::write_mono;
 use rayon::prelude::*;
@@ -44,6 +44,8 @@ enum Outcome {
     Failed { error: String },
 }
 
+/// Steps of the progress bar for one recording.
+const STEPS: u64 = 100;
 /// Stack of a worker thread in bytes: the engine that renders tables is built on it.
 const STACK_BYTES: usize = 64 << 20;
 
@@ -84,17 +86,19 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), CommandError> {
         })
         .collect();
     check_outputs(arguments, &jobs, one_file)?;
-    let steps = if arguments.events.is_some() { fit_strikes::STEPS } else { 1 };
-    let bar = progress(steps * jobs.len() as u64, "fitting");
+    let bar = progress(STEPS * jobs.len() as u64, "fitting");
     let workers = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build().map_err(CommandError::Workers)?;
     let said = Mutex::new(());
     let rows: Vec<Row> = workers.install(|| {
         jobs.par_iter()
             .map(|job| {
-                let outcome = fit_one(arguments, job, &bar);
-                if arguments.events.is_none() {
-                    bar.inc(1);
-                }
+                let done = AtomicU64::new(0);
+                let told = |share: f64| {
+                    let now = (share * STEPS as f64) as u64;
+                    bar.inc(now.saturating_sub(done.fetch_max(now, Ordering::Relaxed)));
+                };
+                let outcome = fit_one(arguments, job, &told);
+                told(1.0);
                 if let Outcome::Failed { error } = &outcome {
                     let _one_at_a_time = said.lock();
                     bar.suspend(|| eprintln!("malleus: {error}"));
@@ -147,15 +151,15 @@ fn is_done(arguments: &FitArguments, job: &Job) -> bool {
     !arguments.redo && wanted.iter().flatten().all(|path| is_newer(path, &job.input))
 }
 
-fn fit_one(arguments: &FitArguments, job: &Job, bar: &ProgressBar) -> Outcome {
+fn fit_one(arguments: &FitArguments, job: &Job, told: &(dyn Fn(f64) + Sync)) -> Outcome {
     if is_done(arguments, job) {
         return Outcome::Skipped;
     }
     let outcome = match (arguments.dynamic_filter, &arguments.events) {
-        (None, Some(events)) => fit_strikes::fit_and_write(arguments, job, events, bar)
+        (None, Some(events)) => fit_strikes::fit_and_write(arguments, job, events, told)
             .map(|report| Outcome::Together { report: Box::new(report) }),
         (None, None) => fit_and_write(arguments, job).map(|report| Outcome::Fitted { report: Box::new(report) }),
-        (Some(beside), _) => fit_filter::fit_and_write(arguments, job, beside)
+        (Some(beside), _) => fit_filter::fit_and_write(arguments, job, beside, told)
             .map(|report| Outcome::Filtered { report: Box::new(report) }),
     };
     outcome.unwrap_or_else(|error| Outcome::Failed { error })

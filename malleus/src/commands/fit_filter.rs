@@ -37,11 +37,17 @@ pub(super) struct FilterReport {
     pub(super) seconds: f64,
 }
 
-/// Fits a recording and writes its table, and its sound if that is asked for.
+/// Fits a recording and writes its table, and its sound if that is asked for; `told` gets the share
+/// of the work that is done.
 ///
 /// # Errors
 /// A message that names the file that cannot be fitted or written.
-pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, beside: BesideName) -> Result<FilterReport, String> {
+pub(super) fn fit_and_write(
+    arguments: &FitArguments,
+    job: &Job,
+    beside: BesideName,
+    told: &(dyn Fn(f64) + Sync),
+) -> Result<FilterReport, String> {
     let begun = Instant::now();
     let of_input = |error| with_file(&job.input, error);
     let heard = heard_in(&job.input).map_err(of_input)?;
@@ -55,7 +61,7 @@ pub(super) fn fit_and_write(arguments: &FitArguments, job: &Job, beside: BesideN
         BesideName::Modes => Beside::Modes,
         BesideName::Loops => Beside::Loops,
     };
-    let fitted = fitted(&heard, beside, &provenance).map_err(of_input)?;
+    let fitted = fitted(&heard, beside, &provenance, told).map_err(of_input)?;
     let text = ::kit::text::write(&fitted.table);
     ::kit::file::write_whole(&job.table, text.as_bytes()).map_err(|error| error.to_string())?;
     if let Some(path) = &arguments.render {

@@ -10,7 +10,6 @@ use ::fit::table::Provenance;
 use ::kit::Kit;
 use ::kit::counting::counted;
 use dsp_core::fixed::FULL_SCALE_24_BIT;
-use indicatif::ProgressBar;
 use malleus::render::replay::replay;
 use malleus::report::{StrikesPage, write_strikes_page};
 use serde::Serialize;
@@ -36,17 +35,14 @@ pub(crate) struct StrikesReport {
     pub(crate) seconds: f64,
 }
 
-/// Steps of the progress bar of one recording.
-pub(super) const STEPS: u64 = 100;
-
 /// Fits all strikes together, and writes the table and, at `events`, the events that replay it.
 ///
-/// Writes a page, too, if the job has one. `bar` moves with the work.
+/// Writes a page, too, if the job has one. `told` gets the share of the work that is done.
 pub(super) fn fit_and_write(
     arguments: &FitArguments,
     job: &Job,
     events: &Path,
-    bar: &ProgressBar,
+    told: &(dyn Fn(f64) + Sync),
 ) -> Result<StrikesReport, String> {
     let start = std::time::Instant::now();
     let recording = match arguments.estimator {
@@ -54,7 +50,6 @@ pub(super) fn fit_and_write(
         EstimatorName::Bins | EstimatorName::Descent => audio::read(&job.input, None),
     };
     let mut recording = recording.map_err(|error| with_file(&job.input, error))?;
-    let told = |share: f64| bar.set_position((share * STEPS as f64) as u64);
     let of_file = |error: &dyn std::fmt::Display| format!("{}: {error}", job.input.display());
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     let (estimate, way) = match arguments.estimator {

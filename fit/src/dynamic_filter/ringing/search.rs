@@ -1,5 +1,7 @@
 //! Search over many first guesses, with corrections of the best.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use super::numbers::Ringing;
@@ -16,27 +18,34 @@ use crate::modes::DampedSine;
 const CORRECTED: usize = 4;
 /// Maximum number of bands for which loops are tried after that.
 const OFFERED: usize = 5;
+/// Shares of the search's time after which the descents are done, and the corrections.
+const DESCENDED: f64 = 0.5;
+const COMPLETED_FROM: f64 = 0.7;
 /// Upper bound of the loops' frequencies, as a part of the sample rate.
 const HIGHEST_PART: f64 = 0.42;
 
 /// Finds loops that ring while the noise falls by its level.
 ///
 /// The best results of all descents are corrected by their evaluation. Loops are then added in
-/// bands that are missed.
+/// bands that are missed. `told` gets the share of the work that is done.
 pub(crate) fn search(
     law: &DampingLaw,
     objective: &Objective,
     modes: &[DampedSine],
     followed: Vec<Ringing>,
     filters: &[Lattice],
+    told: &(dyn Fn(f64) + Sync),
 ) -> Option<Corrected<Ringing>> {
     let times_s = &objective.times_s;
     let usual: Vec<DampedSine> =
         modes.iter().filter(|mode| mode.frequency_hz < HIGHEST_PART * RATE_HZ).copied().collect();
     let starts: Vec<Ringing> = followed.into_iter().chain(starts(law, objective, filters, &usual)).collect();
+    let (count, done) = (starts.len() as f64, AtomicUsize::new(0));
     let found = starts.into_par_iter().map(|start| {
         let found = start.descend(objective);
-        (evaluate(law, &found.model(times_s)).missed, found)
+        let missed = evaluate(law, &found.model(times_s)).missed;
+        told(DESCENDED * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count);
+        (missed, found)
     });
     let mut found: Vec<(f64, Ringing)> = found.collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -49,5 +58,6 @@ pub(crate) fn search(
         let missing_modes = missing_modes(worst, &usual, &found.frequencies_hz());
         missing_modes.iter().map(|mode| found.with(law, objective, mode, &worst.recorded)).collect()
     };
-    Some(complete(law, best, OFFERED, offered, model_of, descend))
+    let told = |share: f64| told(COMPLETED_FROM + (1.0 - COMPLETED_FROM) * share);
+    Some(complete(law, best, OFFERED, &told, offered, model_of, descend))
 }
