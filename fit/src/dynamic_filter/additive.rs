@@ -20,8 +20,9 @@ const MODES_MAKE: f64 = 0.5;
 const ROOM: f64 = 0.03;
 /// Maximum number of bands for which modes are tried after the first fit.
 const OFFERED: usize = 16;
-/// Shares of the time of a start after which modes are chosen, and after which it is corrected.
+/// Share of the work on a start that is done when modes are chosen, for the progress bar.
 const CHOSEN: f64 = 0.3;
+/// Share of that work that is done when the law asked for is corrected.
 const CORRECTED: f64 = 0.6;
 /// Value of `Evaluation::missed` below which no other start is tried.
 const MET: f64 = 0.1;
@@ -35,7 +36,9 @@ const PROMINENCE: f64 = 2e-3;
 /// which each stands out of the smooth part of the spectrum ([`crate::bark::emergence_db`]). The
 /// modes that bring the bands' decays nearest to the law are chosen; of equals, the more prominent
 /// one. Then filter and modes are fitted together, and the law asked for is corrected by the errors
-/// measured in the rendered sound. `told` gets the share of the work that is done.
+/// measured in the rendered sound.
+///
+/// `told` gets the share of the work that is done.
 pub fn additive(
     law: &DampingLaw,
     modes: &[DampedSine],

@@ -148,9 +148,9 @@ pub(crate) fn missing_modes(band: &Comparison, modes: &[DampedSine], taken_hz: &
 
 /// Adds what `offered` proposes for the worst bands, as long as the evaluation improves.
 ///
-/// At most `bands` bands are tried, the worst first; `told` gets the share of them that is done. A
-/// prediction judges each mode alone; where noise interferes, only the fit of all modes together
-/// tells.
+/// At most `bands` bands are tried, the worst first. A prediction judges each mode alone; where
+/// noise interferes, only the fit of all modes together tells. `told` gets the share of the bands
+/// that are tried.
 pub(crate) fn complete<S: Clone + Send + Sync>(
     law: &DampingLaw,
     corrected: Corrected<S>,

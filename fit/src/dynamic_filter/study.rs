@@ -110,8 +110,9 @@ impl Way {
         }
     }
 
-    /// Fits a model to an analysed strike by this method; `told` gets the share of the work that is
-    /// done.
+    /// Fits a model to an analysed strike by this method.
+    ///
+    /// `told` gets the share of the work that is done.
     pub fn model(self, heard: &Heard, told: &(dyn Fn(f64) + Sync)) -> Model {
         let Heard { law, modes, emergence_db, .. } = heard;
         match self {

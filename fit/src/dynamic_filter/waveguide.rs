@@ -25,7 +25,7 @@ const ENDS: [f64; 4] = [0.02, 0.06, 0.15, 0.35];
 const WIDTHS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// Number of the descents' best results that are corrected.
 const CORRECTED: usize = 2;
-/// Share of the time after which loops are chosen for each end.
+/// Share of the work that is done when loops are chosen for each end, for the progress bar.
 const CHOSEN: f64 = 0.3;
 /// Number of rounds in which loops are chosen for a filter, and a filter for the loops.
 const ROUNDS: usize = 2;
@@ -36,9 +36,11 @@ const ROUNDS: usize = 2;
 /// While noise goes on, a loop's mode is fed by what passes the filter: where that falls, the mode
 /// falls faster. So the noise may end early. The burst is a strike, and the modes that it has
 /// excited in the loops go on round a filter that stands still, at `πΔf (1 - |F| γ_s)`. Bands that
-/// are gone by then are the filter's, and those that last are the loops'. Several ends are tried,
-/// and none. The best result is corrected by the errors measured in its rendered sound. `told` gets
-/// the share of the work that is done.
+/// are gone by then are the filter's, and those that last are the loops'. Noise with each of
+/// several ends is tried, and noise that goes on. The best result is corrected by the errors
+/// measured in its rendered sound.
+///
+/// `told` gets the share of the work that is done.
 pub fn waveguide(
     law: &DampingLaw,
     modes: &[DampedSine],

@@ -37,8 +37,9 @@ pub(super) struct FilterReport {
     pub(super) seconds: f64,
 }
 
-/// Fits a recording and writes its table, and its sound if that is asked for; `told` gets the share
-/// of the work that is done.
+/// Fits a recording and writes its table, and its sound if that is asked for.
+///
+/// `told` gets the share of the work that is done.
 ///
 /// # Errors
 /// A message that names the file that cannot be fitted or written.

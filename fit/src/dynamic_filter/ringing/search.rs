@@ -18,8 +18,9 @@ use crate::modes::DampedSine;
 const CORRECTED: usize = 4;
 /// Maximum number of bands for which loops are tried after that.
 const OFFERED: usize = 5;
-/// Shares of the search's time after which the descents are done, and the corrections.
+/// Share of the search that is done when the descents have ended, for the progress bar.
 const DESCENDED: f64 = 0.5;
+/// Share of the search that is done when the best results are corrected.
 const COMPLETED_FROM: f64 = 0.7;
 /// Upper bound of the loops' frequencies, as a part of the sample rate.
 const HIGHEST_PART: f64 = 0.42;
