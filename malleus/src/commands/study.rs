@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use kit::counting::counted;
 use malleus::loudness::loudest_lkfs;
 use malleus::study::recognition::{self, Confusion, MOTIONS, NAMES};
-use malleus::study::{Experiment, PAGE_FILE, RATE, Rated, Scene, StudyTrial, methods, trials, write_page};
+use malleus::study::{Experiment, RATE, Rated, Scene, StudyTrial, methods, page_path, trials, write_page};
 use malleus::wave;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -96,6 +96,7 @@ fn page(experiment: Experiment, folder: &Path) -> Result<PageReport, CommandErro
     let loaded = kit::open(KIT)?;
     let trials = trials(experiment);
     let methods: Vec<_> = methods(experiment).collect();
+    let path = page_path(folder, experiment)?;
     let sounds_folder = folder.join("sounds");
     std::fs::create_dir_all(&sounds_folder).map_err(|cause| kit::file::FileError {
         action: "made",
@@ -127,7 +128,6 @@ fn page(experiment: Experiment, folder: &Path) -> Result<PageReport, CommandErro
         }
         rated.push(Rated { text: trial.text.clone(), sounds: own });
     }
-    let path = folder.join(PAGE_FILE);
     write_page(&path, experiment, &rated)?;
     let methods: Vec<_> = methods.iter().map(|method| method.name).collect();
     Ok(PageReport { page: path, kit: KIT, trials: trials.len(), methods, sounds: reports })

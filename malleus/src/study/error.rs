@@ -1,5 +1,7 @@
 //! Reasons for which a study cannot be made.
 
+use std::path::PathBuf;
+
 use dsp_core::table::TableError;
 use kit::KitError;
 use kit::file::FileError;
@@ -21,6 +23,12 @@ pub enum StudyError {
         kind: &'static str,
         /// Name of the thing.
         name: &'static str,
+    },
+    /// The folder holds another page under the name of the study's.
+    #[error("{}: another page has this name; choose another folder with -o", .path.display())]
+    OtherPage {
+        /// Path of the page.
+        path: PathBuf,
     },
     /// The kit of a trial cannot be built.
     #[error("the kit of a trial cannot be played: {0}")]

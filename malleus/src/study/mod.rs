@@ -13,6 +13,6 @@ mod scene;
 mod trials;
 
 pub use error::StudyError;
-pub use page::{PAGE_FILE, Rated, write_page};
+pub use page::{Rated, page_path, write_page};
 pub use scene::{RATE, Scene};
 pub use trials::{Experiment, Method, StudyTrial, methods, trials};

@@ -1,6 +1,6 @@
 //! Page on which a listener rates the sounds of all trials, blind (MUSHRA).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ use crate::report::document::document_with;
 use crate::report::markup::{json_in_script, sound_uri};
 
 /// File name of the page.
-pub const PAGE_FILE: &str = "index.html";
+const PAGE_FILE: &str = "index.html";
 
 /// Script of the page.
 const SCRIPT: &str = include_str!("mushra.js");
@@ -38,6 +38,22 @@ struct PageStudy<'a> {
     trials: Vec<PageTrial<'a>>,
 }
 
+/// Title of a study's page.
+fn title(experiment: Experiment) -> String {
+    format!("Malleus: {} study", experiment.name())
+}
+
+/// Path of a study's page in a folder.
+///
+/// # Errors
+/// [`StudyError::OtherPage`] if that is a page already, other than of this study.
+pub fn page_path(folder: &Path, experiment: Experiment) -> Result<PathBuf, StudyError> {
+    let path = folder.join(PAGE_FILE);
+    let title = format!("<title>{}</title>", title(experiment));
+    let is_own = || std::fs::read_to_string(&path).is_ok_and(|html| html.contains(&title));
+    if path.exists() && !is_own() { Err(StudyError::OtherPage { path }) } else { Ok(path) }
+}
+
 /// Writes the page, whole or not at all. It holds all sounds as 16-bit WAV, and fetches nothing.
 ///
 /// Trials and sounds come in an order that the page draws for each listener. Ratings are kept in
@@ -46,9 +62,10 @@ struct PageStudy<'a> {
 /// # Errors
 /// [`StudyError`] if a sound is too long or the file cannot be written.
 pub fn write_page(path: &Path, experiment: Experiment, rated: &[Rated]) -> Result<(), StudyError> {
-    let (name, verb) = match experiment {
-        Experiment::Scraping => ("scraping", "scraped"),
-        Experiment::Rolling => ("rolling", "rolled over"),
+    let name = experiment.name();
+    let verb = match experiment {
+        Experiment::Scraping => "scraped",
+        Experiment::Rolling => "rolled over",
     };
     let trials = rated.iter().map(encoded).collect::<Result<_, StudyError>>()?;
     let data = serde_json::to_string(&PageStudy { name, trials })?;
@@ -61,7 +78,7 @@ pub fn write_page(path: &Path, experiment: Experiment, rated: &[Rated]) -> Resul
          <script type=\"application/json\" id=\"data\">{}</script>\n",
         json_in_script(&data)
     );
-    let page = document_with(&format!("Malleus: {name} study"), &body, SCRIPT);
+    let page = document_with(&title(experiment), &body, SCRIPT);
     Ok(kit::file::write_whole(path, page.as_bytes())?)
 }
 

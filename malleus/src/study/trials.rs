@@ -13,6 +13,16 @@ pub enum Experiment {
     Rolling,
 }
 
+impl Experiment {
+    /// Name in titles and in files of ratings.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Scraping => "scraping",
+            Self::Rolling => "rolling",
+        }
+    }
+}
+
 /// Rendering of a trial: the whole model, or the model without a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {

@@ -13,6 +13,19 @@ fn report(words: &[&str]) -> Value {
 }
 
 #[test]
+fn folder_with_another_page_is_refused_before_anything_is_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("index.html");
+    fs::write(&page, "<title>Malleus: rolling study</title>").unwrap();
+    let words = ["study", "scraping", "-o", folder.path().to_str().unwrap()];
+    let done = Command::new(env!("CARGO_BIN_EXE_malleus")).args(words).output().expect("the program runs");
+    let message = String::from_utf8_lossy(&done.stderr);
+    assert!(!done.status.success() && message.contains("another page has this name"), "{message}");
+    assert!(!folder.path().join("sounds").exists());
+    assert_eq!(fs::read_to_string(&page).unwrap(), "<title>Malleus: rolling study</title>");
+}
+
+#[test]
 fn rolling_page_holds_each_trial_by_each_method_and_fetches_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("study");
