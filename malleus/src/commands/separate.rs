@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
         .zip(separation.stems.iter().zip(&labels.of_recording))
         .map(|(((input, recording), stems), (separated, &[object, striker]))| Row {
             input,
-            notes: notes(recording, &separated.blows),
+            notes: notes(recording, separated, [&objects[object].name, &strikers[striker].name]),
             stems,
             left_db: separated.left_db,
             blows: &separated.blows,
@@ -102,10 +102,18 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
     if arguments.json { print_json(&rows) } else { print(&as_text(&rows, &objects, &strikers)) }
 }
 
-/// Notes on how a recording was read, and on blows that are clipped.
-fn notes(recording: &Recording, blows: &[Blow]) -> Vec<String> {
+/// Share of a recording in dB from which on what is left of it is told: half of its energy.
+const MUCH_LEFT_DB: f64 = -3.0;
+
+/// Notes on how a recording was read, on blows that are clipped, and on labels that explain little.
+fn notes(recording: &Recording, stems: &Stems, [object, striker]: [&str; 2]) -> Vec<String> {
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
-    let clipped = separate::clipped_at_s(&recording.samples, recording.rate_hz, blows);
+    let clipped = separate::clipped_at_s(&recording.samples, recording.rate_hz, &stems.blows);
+    if stems.left_db > MUCH_LEFT_DB {
+        notes.push(format!(
+            "more than half of its energy belongs to neither part: look whether it is {striker} on {object}, as the labels say"
+        ));
+    }
     if !clipped.is_empty() {
         let times: Vec<String> = clipped.iter().map(|at_s| format!("{at_s:.3}")).collect();
         notes.push(format!("clipped blows, whose parts are uncertain: {} s", times.join(", ")));
