@@ -152,7 +152,8 @@ pub(crate) enum CommandError {
     Study(#[from] malleus::study::StudyError),
     #[error("{0}")]
     Recording(String),
-    #[error("{failed} of {} could not be fitted; the tables of the others are written", counted(*of, "recordings"))]
+    #[error("{failed} of {} could not be fitted{}", counted(*of, "recordings"),
+        if failed < of { "; the tables of the others are written" } else { "" })]
     FitsFailed { failed: usize, of: usize },
     #[error("no worker threads can be started to fit recordings; close other programs and try again")]
     Workers(#[source] rayon::ThreadPoolBuildError),

@@ -264,7 +264,7 @@ fn as_text(rows: &[Row], has_solid: bool) -> String {
                 report.seconds
             ),
             Outcome::Together { report } => fit_strikes::row(&name, report, has_solid),
-            Outcome::Skipped => format!("{name:32} is done already ({})\n", row.table.display()),
+            Outcome::Skipped => format!("{name:32} is done already ({}): --redo fits it anew\n", row.table.display()),
             Outcome::Failed { .. } => format!("{name:32} failed\n"),
         };
     }

@@ -86,6 +86,7 @@ pub(super) fn fit_and_write(
     let text = (way.events)(&estimate, &table);
     ::kit::file::write_whole(events, text.as_bytes()).map_err(|error| error.to_string())?;
     notes.extend(flagged(&estimate));
+    notes.extend(unexplained(&estimate, recording.samples.iter().fold(0.0, |peak, x| x.abs().max(peak))));
     let materials = material::named(&arguments.materials).map_err(|error| error.to_string())?;
     let solid = arguments.bar.or(arguments.disc);
     let told = material::guess(&ringing(&estimate), &materials, solid);
@@ -191,6 +192,30 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
         notes.push(format!("strikes of which far more is left than of the others: {} s", unexplained.join(", ")));
     }
     notes
+}
+
+/// Least level in dB over its quietest tenth from which what a fit leaves is told.
+const UNEXPLAINED_OVER_QUIET_DB: f64 = 4.0;
+/// Noise in dB of the recording's peak below which none is looked for.
+const LEAST_QUIET_DB: f64 = -88.0;
+/// Duration of a part whose power is taken, in seconds.
+const PART_S: f64 = 0.03;
+
+/// Note on a fit that leaves more than the noise, which the quietest tenth of what it leaves tells.
+fn unexplained(estimate: &Estimate, peak: f64) -> Option<String> {
+    let mean = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>() / part.len() as f64;
+    let parts = estimate.residual.chunks_exact(((PART_S * estimate.rate_hz) as usize).max(1));
+    let mut powers: Vec<f64> = parts.map(mean).collect();
+    powers.sort_by(f64::total_cmp);
+    let least = (peak * 10f64.powf(LEAST_QUIET_DB / 20.0)).powi(2);
+    let quiet = powers.get(powers.len() / 10)?.max(least);
+    let over_db = estimate.left_dbfs - 10.0 * quiet.log10();
+    (over_db > UNEXPLAINED_OVER_QUIET_DB).then(|| {
+        format!(
+            "what the fit leaves lies {over_db:.1} dB above its quietest tenth: more than noise is left, and strikes and \
+             modes may be farther off than their standard deviations"
+        )
+    })
 }
 
 /// Lines printed for a recording: its row of figures, its notes, and Young's modulus if the size of
