@@ -112,14 +112,29 @@ impl PlayReport<'_> {
             (Some(peak), clipped) => format!("peak {peak:+.1} dBFS, clipped in {}", counted(clipped, "samples")),
         };
         if let (Some(cycles), Some(work)) = (self.budget_cycles, &self.work) {
-            text += &match work.shed_modes {
-                0 => format!("; nothing is left out within {cycles} cycles per tick"),
-                modes => {
-                    let (modes, ticks) = (counted(modes, "modes"), counted(work.shedding_ticks, "ticks"));
-                    format!("; {modes} left out in {ticks} to stay within {cycles} cycles per tick")
-                }
-            };
+            text += &left_out(work, cycles);
         }
         text + "\n"
+    }
+}
+
+/// Modes, stages and touches that a budget of cycles a tick left out, and the dearest tick if it
+/// takes more all the same.
+fn left_out(work: &Work, cycles: u32) -> String {
+    let modes = || format!("{} in {}", counted(work.shed_modes, "modes"), counted(work.shedding_ticks, "ticks"));
+    let kinds = [
+        (work.shed_modes > 0).then(modes),
+        (work.refused_stages > 0).then(|| counted(work.refused_stages, "stages")),
+        (work.refused_scrapes > 0).then(|| counted(work.refused_scrapes, "touches")),
+    ];
+    let kinds: Vec<String> = kinds.into_iter().flatten().collect();
+    let dearest = work.largest_predicted_cycles;
+    match (kinds.is_empty(), dearest > cycles) {
+        (true, false) => format!("; nothing is left out within {cycles} cycles per tick"),
+        (true, true) => format!("; nothing is left out, but a tick takes up to {dearest} of {cycles} cycles"),
+        (false, false) => format!("; left out: {}, to stay within {cycles} cycles per tick", kinds.join(", ")),
+        (false, true) => {
+            format!("; left out: {}, and still a tick takes up to {dearest} of {cycles} cycles", kinds.join(", "))
+        }
     }
 }
