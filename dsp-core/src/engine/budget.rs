@@ -20,18 +20,18 @@ use crate::resonator::Use;
 use crate::room::Sample;
 
 /// Prediction that exceeds the budget.
-struct Excess {
-    predicted: u32,
-    budget: u32,
+pub(super) struct Excess {
+    pub(super) predicted: u32,
+    pub(super) budget: u32,
     /// Part of the tick that the budget leaves free.
-    margin: u32,
-    sounding: Sounding,
+    pub(super) margin: u32,
+    pub(super) sounding: Sounding,
 }
 
 /// Pads that sound in a tick's rest, or will by strikes that are known.
 #[derive(Clone, Copy)]
-struct Sounding {
-    pads: u32,
+pub(super) struct Sounding {
+    pub(super) pads: u32,
     /// Number of their register groups, at rest or not.
     groups: u32,
     /// Cycles of the first group of each pad's object, as a prediction has them, with its guard.
@@ -50,6 +50,44 @@ impl Sounding {
     fn rough_cycles(&self) -> u32 {
         CostItem::Survey.cycles() / 2 + self.shed_cycles() + self.first_groups_cycles
     }
+}
+
+impl Excess {
+    /// Cycles for a decision and for what stays, where `sheddable` ones could be freed.
+    ///
+    /// A decision may take some of what is kept free: without it the strike would be silent.
+    fn room(&self, sheddable: u32) -> u32 {
+        (self.budget + self.margin / 2).saturating_sub(self.predicted - sheddable.min(self.predicted))
+    }
+
+    /// Cycles of a survey.
+    fn survey_cycles(&self) -> u32 {
+        CostItem::Survey.cycles() + self.sounding.groups * CostItem::SurveyedGroup.cycles()
+    }
+
+    /// Cycles to choose the quietest groups and to leave them out.
+    fn choice_cycles(&self) -> u32 {
+        self.survey_cycles() + self.sounding.shed_cycles()
+    }
+
+    /// True if there is time to choose the quietest groups, and for the first one of each pad.
+    fn is_worth_a_survey(&self, sheddable: u32) -> bool {
+        self.room(sheddable) >= self.choice_cycles() + self.sounding.first_groups_cycles
+    }
+
+    /// Cycles that lack for the first group of each pad. A tick that is cut may have to choose
+    /// once more at the cut.
+    pub(super) fn lacking_cycles(&self, sheddable: u32, is_cut: bool) -> u32 {
+        let first = self.sounding.first_groups_cycles;
+        let least = self.sounding.rough_cycles().min(self.choice_cycles() + first);
+        (least + if is_cut { self.choice_cycles() } else { 0 }).saturating_sub(self.room(sheddable))
+    }
+}
+
+/// Part of a budget that a tick leaves free.
+pub(super) fn margin_of(budget: u32, is_idle: bool) -> u32 {
+    let [idle, busy] = KEPT_FREE;
+    budget / MARGIN + if is_idle { idle } else { busy }
 }
 
 impl<S: Sample> Engine<'_, '_, S> {
@@ -74,8 +112,7 @@ impl<S: Sample> Engine<'_, '_, S> {
         log: &mut impl FnMut(&Event),
     ) -> Counted {
         let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return Counted::Nothing };
-        let [idle, busy] = KEPT_FREE;
-        let margin = budget / MARGIN + if self.report.counts.is_idle { idle } else { busy };
+        let margin = margin_of(budget, self.report.counts.is_idle);
         let mut of_next_run = Counts::NONE;
         let mut rest = self.rest_of_tick(upcoming, direct, &mut of_next_run);
         // One choke is paid from the time between the budget and the tick's end, and sheds nothing.
@@ -123,7 +160,7 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Pads that sound until the tick's end. A hand wakes pads that stay silent: those cost a
     /// choice next to nothing.
     #[inline(never)] // rare
-    fn sounding(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Sounding {
+    pub(super) fn sounding(&self, upcoming: &[Event], direct: Option<Direct<'_>>) -> Sounding {
         let frames = self.frames_to_tick();
         let end = self.now + u64::from(frames);
         let known = || upcoming.iter().take_while(|event| event.time.first_frame() < end);
@@ -148,18 +185,15 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// Gives the decision, `None` if it would take longer than what it frees.
     #[inline(never)] // rare, and its tables must not lie on the stack beside those of the prediction
     fn shed_excess(&mut self, excess: &Excess, rest: &mut Counts, direct: Option<Direct<'_>>) -> Option<Shedding> {
-        let Excess { predicted, budget, margin, sounding } = *excess;
+        let Excess { predicted, budget, sounding, .. } = *excess;
         let first = sounding.first_groups_cycles;
-        let survey_cycles = CostItem::Survey.cycles() + sounding.groups * CostItem::SurveyedGroup.cycles();
+        let (survey_cycles, choice_cycles) = (excess.survey_cycles(), excess.choice_cycles());
         let sheddable = rest.sheddable_cycles().min(predicted);
-        let choice_cycles = survey_cycles + sounding.shed_cycles();
         let rough_cycles = sounding.rough_cycles();
-        // A decision may take some of what is kept free: without it the strike would be silent.
-        let room = (budget + margin / 2).saturating_sub(predicted - sheddable);
-        let is_worth_a_survey = room >= choice_cycles + first;
+        let room = excess.room(sheddable);
         // A decision that takes longer than what it frees would lengthen the tick: a strike late in
         // a tick keeps its modes, and the next tick sheds.
-        let amount = if !is_worth_a_survey && room >= rough_cycles {
+        let amount = if !excess.is_worth_a_survey(sheddable) && room >= rough_cycles {
             (sheddable > rough_cycles).then_some(ShedAmount::AllButFirst)
         } else if room >= choice_cycles + first / sounding.pads.max(1) {
             // One group stays in any case.
@@ -206,7 +240,7 @@ fn predictions_ahead(rest: &Counts) -> u32 {
 const LOOKS_OF_A_PREDICTION: u32 = 2;
 
 /// Share of [`CostItem::Pad`] that its prediction takes.
-const PREDICTED_PAD_CYCLES: u32 = 120;
+pub(super) const PREDICTED_PAD_CYCLES: u32 = 120;
 
 /// Share of the budget that is kept free, as its inverse.
 const MARGIN: u32 = 32;

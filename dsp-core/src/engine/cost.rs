@@ -132,6 +132,11 @@ const fn by_item(list: [(CostItem, u32); COST_ITEMS]) -> [u32; COST_ITEMS] {
 }
 
 impl CostItem {
+    /// Nominal cycles of the item, from [`CYCLES`], for constants.
+    pub(super) const fn const_cycles(self) -> u32 {
+        CYCLES[self as usize]
+    }
+
     /// Nominal cycles of the item, from [`CYCLES`].
     #[inline]
     pub(super) fn cycles(self) -> u32 {

@@ -163,6 +163,8 @@ impl<'k: 'm, 'm, S: Sample> Engine<'k, 'm, S> {
             asleep_modes: 0,
             asleep_unstruck_modes: 0,
             retired_amplitude: 0.0,
+            cycles_ahead: 0,
+            ticks_without_strike: 0,
         })
     }
 

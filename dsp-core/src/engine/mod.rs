@@ -22,6 +22,7 @@ mod load;
 mod load_modes;
 mod moving;
 mod plan;
+mod postpone;
 mod prediction;
 mod render;
 mod report;

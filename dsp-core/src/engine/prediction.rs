@@ -32,9 +32,9 @@ impl<S: Sample> Engine<'_, '_, S> {
         self.report.counts += &counts;
     }
 
-    /// Counts the beginning of a tick in which anything is to be done.
+    /// Adds the counts of the beginning of a tick in which anything is to be done.
     #[inline(never)]
-    pub(super) fn count_beginning(&mut self) {
+    pub(super) fn add_beginning(&self, counts: &mut Counts) {
         let (mut waking, mut due_groups, mut driven_groups, mut reached) = (0, 0, 0, 0);
         let awake = self.awake.pads().filter_map(|pad| self.voices.get(usize::from(pad)));
         for voice in awake.filter(|voice| !voice.rests()) {
@@ -49,7 +49,6 @@ impl<S: Sample> Engine<'_, '_, S> {
             }
         }
         let noise = self.stage_cycles_ahead();
-        let counts = &mut self.report.counts;
         counts.add(CostItem::Tick, 1);
         counts.add(CostItem::WakingPad, waking);
         counts.add(CostItem::DueGroup, due_groups);

@@ -113,6 +113,10 @@ pub struct Engine<'k, 'm, S: Sample = i16> {
     pub(super) was_idle: bool,
     pub(super) modes_built: u32,
     pub(super) groups_built: u32,
+    /// Cycles of the prediction that [`postpone`](Self::postpone) has made of the tick to come.
+    pub(super) cycles_ahead: u32,
+    /// Number of ticks up to now in which all strikes have waited.
+    pub(super) ticks_without_strike: u32,
     /// True if a contact has begun that its pad is not guarded for yet.
     pub(super) expects: bool,
     /// True if a pad has been choked or released since the last tick.

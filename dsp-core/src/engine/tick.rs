@@ -41,8 +41,13 @@ impl<S: Sample> Engine<'_, '_, S> {
         if self.budget.is_some() && self.idle {
             self.report.counts.add(CostItem::IdleTick, 1);
         } else if self.budget.is_some() {
-            self.count_beginning();
-            self.report.counts += &chokes;
+            let mut counts = chokes;
+            self.add_beginning(&mut counts);
+            self.report.counts += &counts;
+        }
+        let ahead = core::mem::take(&mut self.cycles_ahead);
+        if ahead > 0 {
+            self.report.counts.add(CostItem::ResidualCycle, ahead);
         }
         if self.idle {
             return;

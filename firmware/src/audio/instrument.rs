@@ -213,8 +213,9 @@ impl Instrument {
         let most = STRIKES_PER_TICK.saturating_sub(self.begun).max(STRIKES_PER_TICK.div_ceil(2));
         let moving = |pad, position| engine.moving_strikes(pad, position) as usize;
         let (delayed, work) = self.waiting.put_off(most, end, moving);
-        self.begun = work;
-        counters::DELAYED_STRIKES.add(delayed);
+        let postponed = if work > 0 { engine.postpone(self.waiting.all_mut(), direct) } else { 0 };
+        self.begun = work.saturating_sub(postponed as usize);
+        counters::DELAYED_STRIKES.add(delayed + postponed);
         let events = self.waiting.before(end);
         if events.is_empty() && direct.is_none() && engine.pass_silent_tick() {
             return None;

@@ -54,6 +54,11 @@ impl Waiting {
         waiting.get(..due).unwrap_or(&[])
     }
 
+    /// Returns all events; their times must stay in order.
+    pub(super) fn all_mut(&mut self) -> &mut [Event] {
+        self.events.get_mut(..self.count).unwrap_or_default()
+    }
+
     /// Lets all events from the first strike on for which there is no time before a frame wait for
     /// that frame. Returns the number of strikes that are put off, and the work of the others.
     ///

@@ -71,10 +71,8 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         (sound.into_iter().map(|frame| frame.map(::reference::scene::quantise_24)).collect(), level)
     } else {
         let skipping = if arguments.no_skip { Skipping::Off } else { Skipping::On };
-        // A budget needs blocks of whole ticks, because its decisions look ahead to the block's
-        // end.
-        let block = arguments.block as usize;
-        let block = if budget_cycles.is_some() { block.next_multiple_of(TICK_FRAMES) } else { block };
+        // Strikes wait for a tick with time, as on a board, in blocks of one tick.
+        let block = if budget_cycles.is_some() { TICK_FRAMES } else { arguments.block as usize };
         // What is in frames cannot be left out, and has to stay within the budget.
         let frame_cycles = budget_cycles.map(|cycles| cycles / TICK_FRAMES as u32);
         let settings = Settings {

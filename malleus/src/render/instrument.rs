@@ -1,11 +1,14 @@
 //! Rendering by `dsp-core`, the instrument that a board runs.
 
+use std::mem;
+
 use dsp_core::SampleRate;
 use dsp_core::engine::{Direct, Engine, LoadError, Plan, Setup, TickReport};
 use dsp_core::event::{Event, EventError};
 use dsp_core::memory::{Memory, Word};
 use dsp_core::room::Sample;
 use dsp_core::table::Kit;
+use dsp_core::time::TICK_FRAMES;
 use dsp_core::voice::Form;
 
 use super::performance::Performance;
@@ -111,6 +114,9 @@ pub fn render_logged(
 
 /// Plays a performance on an engine that holds a kit, in blocks of `block` frames.
 ///
+/// In blocks of a tick, strikes wait for time as on a board ([`Engine::postpone`]); `log` gets them
+/// with the times at which they sound.
+///
 /// # Errors
 /// [`RenderError::Event`].
 pub fn play<S: Sample>(
@@ -121,14 +127,18 @@ pub fn play<S: Sample>(
     mut observe: impl FnMut(&TickReport),
     mut log: impl FnMut(&Event),
 ) -> Result<Vec<[i32; 2]>, RenderError> {
-    let mut frames = vec![[0; 2]; performance.frames];
+    let (mut frames, mut length) = (Vec::new(), performance.frames);
     let mut events = performance.events.as_slice();
+    let mut postponed = Vec::new();
     let mut silence = Vec::new();
-    for block in frames.chunks_mut(block.max(1)) {
+    while frames.len() < length {
+        let begin = frames.len();
+        frames.resize(length.min(begin + block.max(1)), [0; 2]);
+        let Some(block) = frames.get_mut(begin..) else { break };
         let start = engine.now();
         let end = start + block.len() as u64;
         let due = events.iter().take_while(|event: &&Event| event.time.first_frame() < end).count();
-        let (now, later) = events.split_at(due);
+        let (due, later) = events.split_at(due);
         events = later;
         let direct = performance.direct.as_ref().map(|(pad, force)| {
             let from = (start as usize).min(force.len());
@@ -144,13 +154,24 @@ pub fn play<S: Sample>(
             };
             Direct { pad: *pad, force }
         });
+        let mut now = mem::take(&mut postponed);
+        now.extend_from_slice(due);
+        if block.len() == TICK_FRAMES {
+            let last = |events: &[Event]| events.last().map_or(0, |event| event.time.first_frame());
+            let asked = last(&now);
+            engine.postpone(&mut now, direct);
+            // What comes later ends later, as the playback of the log does.
+            length += if events.is_empty() { (last(&now) - asked) as usize } else { 0 };
+            let split = now.iter().take_while(|event| event.time.first_frame() < end).count();
+            postponed = now.split_off(split);
+        }
         let mut decisions = Vec::new();
         match output {
             Output::Samples24 => {
-                engine.render_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
+                engine.render_logged(&now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
             }
             Output::Bus => {
-                engine.render_bus_logged(now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
+                engine.render_bus_logged(&now, direct, block, &mut observe, |decision| decisions.push(*decision))?;
             }
         }
         // The engine decides behind the events of a frame, so that the log has its decision there.
