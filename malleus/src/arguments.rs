@@ -119,8 +119,8 @@ pub(crate) struct PlayArguments {
     /// the stages that it leaves out; stm32f407g-disc1 or blackpill-f411
     #[arg(long, value_parser = parse_board, conflicts_with_all = ["rate", "reference", "no_skip"])]
     pub(crate) board: Option<Board>,
-    /// Frames per block, always 32 with --board or --budget-mhz; every number gives equal sound, bit
-    /// for bit
+    /// Frames per block, always 32 with --board or --budget-mhz; every number gives equal sound,
+    /// bit for bit
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub(crate) block: u32,
     /// Seconds to play after the last event or the end of the force [default: until the sound has
