@@ -69,7 +69,8 @@ pub enum CostItem {
     ResidualRun,
     /// Frame of a residual or of the background.
     ResidualFrame,
-    /// Cycle of the work on noise to come, of the room, of filters, or of contacts that go on.
+    /// Cycle of the work on noise to come, of the room, of filters, of contacts that go on, or of a
+    /// prediction before the tick.
     ResidualCycle,
     /// Tick in which nothing is to be done.
     IdleTick,

@@ -36,8 +36,10 @@ impl<S: Sample> Engine<'_, '_, S> {
     /// times plays to the same bits without any budget. `direct` is the force that will act on a
     /// pad.
     ///
-    /// Nothing waits without a [budget](Self::set_budget), or within a tick. It takes a prediction
-    /// if the tick before and the strikes might exceed the budget; the tick counts it.
+    /// Nothing waits without a [budget](Self::set_budget), or within a tick.
+    ///
+    /// Cost: a prediction if the tick before and the strikes might exceed the budget, 425 nominal
+    /// cycles for each run and 120 for each pad in it; the tick counts them.
     #[inline(never)] // runs at strikes alone
     pub fn postpone(&mut self, events: &mut [Event], direct: Option<Direct<'_>>) -> u32 {
         let Some(budget) = self.budget.filter(|_| self.skipping == Skipping::On) else { return 0 };

@@ -1,8 +1,8 @@
 //! White noise for recordings that have next to none.
 //!
-//! The fit compares strikes and modes with the noise between strikes. Other errors stand out of the
-//! noise of such a recording: rounding, the leakage of windows 100 dB below the peak, and pulses
-//! that are no half-sines. The fit would take them for strikes, for modes or for a room.
+//! The fit looks for strikes, modes and a room in what is louder than the noise between strikes.
+//! Without noise it would find them in errors: in rounding, in the leakage of windows 100 dB below
+//! the peak, and in pulses that are no half-sines.
 
 use super::rises::quietest_db;
 use crate::random::SplitMix64;

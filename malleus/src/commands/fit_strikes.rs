@@ -194,14 +194,15 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     notes
 }
 
-/// Least level in dB over its quietest tenth from which what a fit leaves is told.
+/// Level in dB of what a fit leaves, over the quietest tenth of it, above which there is a note.
 const UNEXPLAINED_OVER_QUIET_DB: f64 = 4.0;
-/// Noise in dB of the recording's peak below which none is looked for.
+/// Least noise in dB of the recording's peak: below it what a fit leaves does not matter.
 const LEAST_QUIET_DB: f64 = -88.0;
 /// Duration of a part whose power is taken, in seconds.
 const PART_S: f64 = 0.03;
 
-/// Note on a fit that leaves more than the noise, which the quietest tenth of what it leaves tells.
+/// Note on a fit that leaves more than noise. The quietest tenth of what it leaves stands for the
+/// noise.
 fn unexplained(estimate: &Estimate, peak: f64) -> Option<String> {
     let mean = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>() / part.len() as f64;
     let parts = estimate.residual.chunks_exact(((PART_S * estimate.rate_hz) as usize).max(1));

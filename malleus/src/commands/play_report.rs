@@ -138,3 +138,21 @@ fn left_out(work: &Work, cycles: u32) -> String {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_budget_leaves_out_is_counted_and_a_dearer_tick_is_told() {
+        let mut work = Work { largest_predicted_cycles: 900, ..Work::default() };
+        assert_eq!(left_out(&work, 1000), "; nothing is left out within 1000 cycles per tick");
+        (work.shed_modes, work.shedding_ticks, work.refused_scrapes) = (4, 1, 1);
+        assert_eq!(
+            left_out(&work, 1000),
+            "; left out: 4 modes in 1 tick, 1 touch, to stay within 1000 cycles per tick"
+        );
+        let over = left_out(&work, 800);
+        assert_eq!(over, "; left out: 4 modes in 1 tick, 1 touch, and still a tick takes up to 900 of 800 cycles");
+    }
+}

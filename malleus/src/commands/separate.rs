@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &SeparateArguments) -> Result<(), CommandError> {
 /// Share of a recording in dB from which on what is left of it is told: half of its energy.
 const MUCH_LEFT_DB: f64 = -3.0;
 
-/// Notes on how a recording was read, on blows that are clipped, and on labels that explain little.
+/// Notes on how a recording was read, on clipped blows, and on a recording of which much is left.
 fn notes(recording: &Recording, stems: &Stems, [object, striker]: [&str; 2]) -> Vec<String> {
     let mut notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     let clipped = separate::clipped_at_s(&recording.samples, recording.rate_hz, &stems.blows);

@@ -114,8 +114,8 @@ pub fn render_logged(
 
 /// Plays a performance on an engine that holds a kit, in blocks of `block` frames.
 ///
-/// In blocks of a tick, strikes wait for time as on a board ([`Engine::postpone`]); `log` gets them
-/// with the times at which they sound.
+/// With a budget and blocks of a tick, [`Engine::postpone`] moves strikes as on a board. `log` gets
+/// each event with the time at which it happens.
 ///
 /// # Errors
 /// [`RenderError::Event`].
@@ -160,7 +160,7 @@ pub fn play<S: Sample>(
             let last = |events: &[Event]| events.last().map_or(0, |event| event.time.first_frame());
             let asked = last(&now);
             engine.postpone(&mut now, direct);
-            // What comes later ends later, as the playback of the log does.
+            // The playback of the log has the same length: its last event is that much later.
             length += if events.is_empty() { (last(&now) - asked) as usize } else { 0 };
             let split = now.iter().take_while(|event| event.time.first_frame() < end).count();
             postponed = now.split_off(split);
