@@ -241,7 +241,7 @@ fn without_onset(power: &[f64], floor: f64, loudest: f64, size: usize, length: u
 
 /// First sample in or just before a frame that rises above the sound before it, by about a tenth of
 /// the following peak.
-fn onset_sample(samples: &[f64], frame: usize, size: usize) -> usize {
+pub(crate) fn onset_sample(samples: &[f64], frame: usize, size: usize) -> usize {
     let ahead = &samples[frame..samples.len().min(frame + 3 * size)];
     let peak = ahead.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let start = frame.saturating_sub(size);

@@ -3,10 +3,12 @@
 //! The ringing behind the strikes says nothing about it: contacts that come later by D, with gains
 //! turned by `e^{sD}`, ring alike. Only the samples within the contacts tell.
 
+use std::ops::Range;
+
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use super::equations::residual;
+use super::equations::residual_within;
 use super::model::Model;
 
 type C64 = Complex<f64>;
@@ -28,19 +30,22 @@ struct Attacks<'a> {
 }
 
 impl<'a> Attacks<'a> {
-    fn new(model: &'a Model, left: &[f64], reach: f64, most: usize) -> Self {
+    /// Attacks in a recording of `length` samples; `left` gives what the model leaves of ranges.
+    fn new(model: &'a Model, length: usize, reach: f64, left: impl FnOnce(&[Range<usize>]) -> Vec<Vec<f64>>) -> Self {
         let mut order: Vec<usize> = (0..model.strikes.len()).collect();
         order.sort_by(|a, b| model.strikes[*b].contact.peak.total_cmp(&model.strikes[*a].contact.peak));
-        order.truncate(most);
-        let window = |index: usize| {
-            let contact = model.strikes[index].contact;
-            let from = (contact.first_sample() - reach - MARGIN).max(0.0) as usize;
-            let to = ((contact.end_sample() + reach + MARGIN).max(0.0) as usize).min(left.len());
-            let mut heard = left.get(from..to).unwrap_or(&[]).to_vec();
-            add_strike(model, index, 0.0, from, 1.0, &mut heard);
-            (index, from, heard)
+        order.truncate(MOST_STRIKES);
+        let range = |index: &usize| {
+            let contact = model.strikes[*index].contact;
+            let to = ((contact.end_sample() + reach + MARGIN).max(0.0) as usize).min(length);
+            ((contact.first_sample() - reach - MARGIN).max(0.0) as usize).min(to)..to
         };
-        Self { model, windows: order.into_iter().map(window).collect() }
+        let ranges: Vec<Range<usize>> = order.iter().map(range).collect();
+        let with_strike = |((index, range), mut heard): ((usize, &Range<usize>), Vec<f64>)| {
+            add_strike(model, index, 0.0, range.start, 1.0, &mut heard);
+            (index, range.start, heard)
+        };
+        Self { model, windows: order.into_iter().zip(&ranges).zip(left(&ranges)).map(with_strike).collect() }
     }
 
     /// Energy that is left if all contacts come later by `shift` samples.
@@ -58,7 +63,7 @@ impl<'a> Attacks<'a> {
 /// leaves there.
 pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Model) {
     let reach = REACH_S * rate_hz;
-    let attacks = Attacks::new(model, &residual(model, samples), reach, MOST_STRIKES);
+    let attacks = Attacks::new(model, samples.len(), reach, |ranges| residual_within(model, samples, ranges));
     let steps = (reach / STEPS[0]) as i32;
     let (mut best, mut least) = (0.0, f64::INFINITY);
     let mut consider = |shift: f64, best: &mut f64| {
@@ -84,7 +89,8 @@ pub(crate) fn aligned(model: &Model, samples: &[f64], rate_hz: f64) -> (f64, Mod
 pub(crate) fn alternatives(model: &Model, left: &[f64]) -> Vec<Model> {
     let mut least: Vec<(f64, f64)> = Vec::new();
     for (reach, step) in [NEAR, FAR] {
-        let attacks = Attacks::new(model, left, reach, MOST_STRIKES);
+        let within = |ranges: &[Range<usize>]| ranges.iter().map(|range| left[range.clone()].to_vec()).collect();
+        let attacks = Attacks::new(model, left.len(), reach, within);
         let count = (reach / step) as i32;
         let misfits: Vec<(f64, f64)> = (-count..=count)
             .into_par_iter()

@@ -1,7 +1,10 @@
 //! The first fit: from starting models of the contacts to the one that explains most.
 
+use rayon::prelude::*;
+
 use super::alignment::{aligned, alternatives};
 use super::amplitudes::{Told, White, changes_of};
+use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
 use super::free::FreeModes;
@@ -12,26 +15,36 @@ use super::places::starts_at_places;
 use super::start::starts;
 use super::whitening::Whitening;
 
-/// Number of starting models whose contacts are aligned.
-const ALIGNED: usize = 14;
 /// Number of aligned models from which the descent begins.
 const DESCENDED: usize = 3;
-/// Ratio to the noise between strikes of what a model leaves from which no other model is tried.
+/// Ratio to the noise between strikes of what a model leaves of the recording up to which it is
+/// explained.
 const EXPLAINED: f64 = 1.1;
-/// Ratio to the noise between strikes of what a model leaves up to which no other start is made.
-const POOR: f64 = 4.0;
+/// Ratio to that noise of what a model leaves within the contacts up to which they are explained.
+///
+/// The ringing behind contacts is nearly the same for other contact times with other gains, and a
+/// recording has far more samples of it.
+const CONTACTS_EXPLAINED: f64 = 2.0;
+/// Number of aligned models that are tried with contact times as they are heard.
+const HELD: usize = 8;
 /// Number of starts, each from the gains of another strike.
 const STARTS: usize = 3;
-/// Relative difference of what two starting models leave up to which they are one.
-const SAME: f64 = 1e-6;
+/// Least ratio of the contact times of two starting models' strongest strikes, if they are at one
+/// time.
+const APART: f64 = 1.1;
+/// Least distance in samples of two starting models' strongest strikes, if their contact times are
+/// near each other. Nearer times are looked for behind the descent.
+const APART_SAMPLES: f64 = 4.0;
+/// Distance in samples up to which two descents ended at one common time.
+const ONE_TIME: f64 = 0.05;
 /// Largest energy over that of the best fit, in units of the noise, at which a coarse descent is
 /// continued.
 const FAR_OFF: f64 = 50.0;
 
 /// First fit, from the start that explains most.
 ///
-/// If the contacts of a start explain the recording poorly, the next one begins with the gains of
-/// another strike. If the contact times are far longer than those heard, the latter are held.
+/// If the contacts of a start leave more than noise, the next one begins with the gains of another
+/// strike. If the contact times are far longer than those heard, the latter are held.
 pub(super) fn begun(
     samples: &[f64],
     free: &FreeModes,
@@ -49,20 +62,21 @@ pub(super) fn begun(
         if best.as_ref().is_none_or(|best| next.energy < best.energy) {
             best = Some(next);
         }
-        let is_fair = |best: &Fitted| best.noise_rms().powi(2) < POOR * free.variance;
-        if best.as_ref().is_some_and(is_fair) {
+        if best.as_ref().is_some_and(|best| explains_contacts(best, free.variance)) {
             break;
         }
     }
     let best = best.ok_or(StrikesError::TooFew { found: 0 })?;
     let is_explained = best.noise_rms().powi(2) < EXPLAINED * free.variance;
     if is_explained || layout != Layout::default() || !contradicts_sound(&best.model, samples, rate_hz) {
-        return Ok(at_best_time(best, samples, &Whitening::none()));
+        return Ok(at_best_time(best, samples, &Whitening::none()).fitted);
     }
     let starts = started(samples, free, (onsets, usable), rate_hz, (layout, 0));
-    let held: Vec<Model> = starts.iter().filter_map(|start| with_heard_times(start, samples, rate_hz)).collect();
+    // A strike's time is heard near its beginning, where it is aligned to.
+    let starts = apart(&starts, samples, rate_hz).into_iter().take(HELD);
+    let held: Vec<Model> = starts.filter_map(|start| with_heard_times(&start, samples, rate_hz)).collect();
     let held = nearest(&held, samples, free.variance, rate_hz, &|_| {}).unwrap_or(best);
-    Ok(at_best_time(held, samples, &Whitening::none()))
+    Ok(at_best_time(held, samples, &Whitening::none()).fitted)
 }
 
 /// Models of the contacts of the usable strikes that explain the changes of amplitudes best.
@@ -88,18 +102,13 @@ fn started(
 
 /// The best descent of starting models; `None` if there are none.
 fn nearest(starts: &[Model], samples: &[f64], variance: f64, rate_hz: f64, told: &dyn Fn(f64)) -> Option<Fitted> {
-    // One at a time: each takes as much memory as the recording.
-    let mut aligned: Vec<(f64, Model)> =
-        starts.iter().take(ALIGNED).map(|start| aligned(start, samples, rate_hz)).collect();
-    aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Trials that ended in one model.
-    aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
+    let starts = apart(starts, samples, rate_hz);
     told(0.4);
     let none = Whitening::none();
     let mut best: Option<Fitted> = None;
-    for (index, (_, start)) in aligned.into_iter().take(DESCENDED).enumerate() {
+    for (index, start) in starts.into_iter().take(DESCENDED).enumerate() {
         let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
-        let is_good = done.noise_rms().powi(2) < EXPLAINED * variance;
+        let is_good = explains_contacts(&done, variance);
         if best.as_ref().is_none_or(|best| done.energy < best.energy) {
             best = Some(done);
         }
@@ -111,18 +120,66 @@ fn nearest(starts: &[Model], samples: &[f64], variance: f64, rate_hz: f64, told:
     best
 }
 
+/// Aligned starting models, the one that leaves least first, whose strongest contacts lie apart:
+/// others descend to one model.
+fn apart(starts: &[Model], samples: &[f64], rate_hz: f64) -> Vec<Model> {
+    let mut aligned: Vec<(f64, Model)> = starts.par_iter().map(|start| aligned(start, samples, rate_hz)).collect();
+    aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_near = |a: Contact, b: Contact| {
+        (a.time / b.time).ln().abs() < APART.ln() && (a.middle - b.middle).abs() < APART_SAMPLES
+    };
+    let mut kept: Vec<Model> = Vec::new();
+    for (_, model) in aligned {
+        let Some(contact) = strongest_contact(&model) else { continue };
+        if !kept.iter().filter_map(strongest_contact).any(|other| is_near(contact, other)) {
+            kept.push(model);
+        }
+    }
+    kept
+}
+
+fn strongest_contact(model: &Model) -> Option<Contact> {
+    model.strikes.get(model.strongest()).map(|strike| strike.contact)
+}
+
+/// True if a fit leaves little more than noise, within the contacts too.
+fn explains_contacts(fitted: &Fitted, variance: f64) -> bool {
+    let is_explained = fitted.noise_rms().powi(2) < EXPLAINED * variance;
+    is_explained && fitted.left_in_contacts() < CONTACTS_EXPLAINED * variance
+}
+
+/// A fit with all contacts at the time that explains most.
+pub(super) struct AtBestTime {
+    pub(super) fitted: Fitted,
+    /// Variance of the common time in samples squared, by times that explain nearly as much.
+    ///
+    /// Of two times half a sample apart the noise often decides which explains more. The deviation
+    /// about each is a twentieth of the way between them.
+    pub(super) time_variance: f64,
+}
+
 /// The best of a fit and of those with all contacts at another time.
-pub(super) fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> Fitted {
+pub(super) fn at_best_time(fitted: Fitted, samples: &[f64], whitening: &Whitening) -> AtBestTime {
+    let time = |fitted: &Fitted| strongest_contact(&fitted.model).map_or(0.0, |contact| contact.middle);
     let mut best = fitted;
+    let mut minima = vec![(best.energy, time(&best))];
     for other in alternatives(&best.model, &best.residual) {
         let other = descend(Fitted::new(other, samples, whitening), samples, whitening, Ending::COARSE);
         if other.energy > best.energy + FAR_OFF * best.noise_rms().powi(2) {
             continue;
         }
         let other = descend(other, samples, whitening, Ending::FINE);
+        if minima.iter().all(|(_, known)| (known - time(&other)).abs() > ONE_TIME) {
+            minima.push((other.energy, time(&other)));
+        }
         if other.energy < best.energy {
             best = other;
         }
     }
-    best
+    // Likelihoods relative to the best.
+    let weight = |energy: f64| (0.5 * (best.energy - energy) / best.noise_rms().powi(2)).exp();
+    let middle = time(&best);
+    let weights: f64 = minima.iter().map(|(energy, _)| weight(*energy)).sum();
+    let squares: f64 = minima.iter().map(|(energy, time)| weight(*energy) * (time - middle).powi(2)).sum();
+    AtBestTime { time_variance: squares / weights, fitted: best }
 }

@@ -51,6 +51,13 @@ impl Fitted {
         (self.energy / self.residual.len().max(1) as f64).sqrt()
     }
 
+    /// Power that is left within the contacts.
+    pub(super) fn left_in_contacts(&self) -> f64 {
+        let segments = segments(&self.model.strikes, self.residual.len(), 0);
+        let within = || segments.iter().flat_map(|segment| &self.residual[segment.start..segment.free]);
+        within().map(|x| x * x).sum::<f64>() / within().count().max(1) as f64
+    }
+
     /// Power that is left behind each strike, and the median of all strikes.
     pub(crate) fn left_behind(&self, rate_hz: f64) -> (Vec<f64>, f64) {
         let length = (LOOKED_AT_S * rate_hz) as usize;

@@ -4,6 +4,8 @@
 //! tens of samples long, the derivatives are written out sample by sample. Both pass through the
 //! whitening filter.
 
+use std::ops::Range;
+
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -31,6 +33,42 @@ pub(super) fn of_one_strike(model: &Model, strike: &Strike, from: usize, length:
     let contact = Contact { middle: strike.contact.middle - from as f64, ..strike.contact };
     let alone = Model { strikes: vec![Strike { contact, ..*strike }], ..model.clone() };
     residual(&alone, &vec![0.0; length])
+}
+
+/// Residual of the model within some ranges of the recording.
+pub(super) fn residual_within(model: &Model, samples: &[f64], ranges: &[Range<usize>]) -> Vec<Vec<f64>> {
+    let mut left: Vec<Vec<f64>> =
+        ranges.iter().map(|range| samples.get(range.clone()).unwrap_or(&[]).to_vec()).collect();
+    let mut amplitudes = vec![C64::new(0.0, 0.0); model.poles.len()];
+    for segment in segments(&model.strikes, samples.len(), 0) {
+        for (range, left) in ranges.iter().zip(&mut left) {
+            let (from, to) = (range.start.max(segment.start), range.end.min(segment.end));
+            if let Some(part) = left.get_mut(from - range.start..to.saturating_sub(range.start)) {
+                subtract_part(model, &segment, &amplitudes, from, part);
+            }
+        }
+        for (mode, amplitude) in amplitudes.iter_mut().enumerate() {
+            *amplitude = amplitude_at_end(model, &segment, mode, *amplitude);
+        }
+    }
+    left
+}
+
+/// Subtracts a segment's sound from those of its samples that begin with `from`.
+fn subtract_part(model: &Model, segment: &Segment, amplitudes: &[C64], from: usize, samples: &mut [f64]) {
+    for (mode, amplitude) in amplitudes.iter().enumerate() {
+        let pole = model.poles[mode];
+        add_ringing(pole, -amplitude * pole.power((from - segment.start) as f64), samples);
+    }
+    for strike in &model.strikes[segment.strikes.clone()] {
+        for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, strike)) {
+            let gain = model.gain(mode, strike.position) * strike.contact.peak;
+            strike.contact.add_motion(model.exponent(mode), -gain, from, samples);
+        }
+        for (n, x) in (from..).zip(samples.iter_mut()) {
+            *x -= model.acceleration * strike.contact.peak * strike.contact.force(n as f64)[0];
+        }
+    }
 }
 
 /// Residual of the model over the whole recording.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::begin::{at_best_time, begun};
+use super::begin::{AtBestTime, at_best_time, begun};
 use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::dry::dry;
@@ -81,7 +81,7 @@ pub(crate) fn fit(
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted = descend(fitted, samples, &whitening, Ending::FINE);
     told(0.9);
-    fitted = at_best_time(fitted, samples, &whitening);
+    let AtBestTime { mut fitted, time_variance } = at_best_time(fitted, samples, &whitening);
     told(0.95);
     if room.is_none() {
         fitted = with_acceleration(fitted, samples, &whitening);
@@ -94,6 +94,7 @@ pub(crate) fn fit(
     StrikesError::refuse_unexplained(&fitted.residual, samples, UNEXPLAINED)?;
     fitted.model.normalise();
     let mut deviations = deviations(&fitted, &whitening).ok_or(StrikesError::Untold)?;
+    deviations.strikes.iter_mut().for_each(|covariance| covariance[(0, 0)] += time_variance);
     if fitted.model.contact_times_are_held {
         for (index, covariance) in deviations.strikes.iter_mut().enumerate() {
             let heard = log_deviation(&fitted.model, index, samples, rate_hz).ok_or(StrikesError::Untold)?;

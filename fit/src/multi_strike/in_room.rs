@@ -55,7 +55,7 @@ pub(super) fn in_room(
     }
     told(0.1);
     turn = turn.next(samples, rate_hz).descended();
-    turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening);
+    turn.fitted = at_best_time(turn.fitted, &turn.dry, &turn.whitening).fitted;
     told(0.2);
     turn = turn.next(samples, rate_hz);
     (turn.fitted, turn.whitening) = turn.completed(rate_hz, settings, &|share| told(0.2 + 0.7 * share))?;

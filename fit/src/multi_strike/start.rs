@@ -18,15 +18,26 @@ type C64 = Complex<f64>;
 
 /// Shortest and longest contact time that is tried, in seconds.
 const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
-/// Number of contact times that are tried for the strongest strike.
-const TRIED: usize = 20;
+/// Number of contact times of the strongest strike at which all strikes are looked up.
+const TRIED: usize = 40;
+/// Number of contact times on either side of each to which the strikes are followed.
+const FOLLOWED: i32 = 2;
+/// Ratio of neighbouring contact times: a fifth of the way from one look to the next.
+///
+/// A mode's answer to a contact has zeros a period of the mode apart. Of modes at 5 kHz and contacts
+/// of 1 ms they lie 20 % apart, and fits from times that far apart ended beside the true ones.
+const FINER: f64 = 1.0193;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;
 /// Reach of δ before and behind the moment, in seconds.
 pub(super) const REACH_S: [f64; 2] = [3e-3, 4.5e-3];
+/// Number of the best contact times of a strike's own grid that are improved.
+const LOOKED_AT: usize = 5;
+/// Number of times that each of them is improved.
+const IMPROVED: usize = 3;
 /// Step of δ in samples.
 const STEP: f64 = 0.5;
-/// Number of rounds of gains and contacts in turn, behind each look at the grid.
+/// Number of rounds of gains and contacts in turn, behind each look and each step from it.
 const ROUNDS: usize = 8;
 /// Number of looks at the grid, the later ones with the gains of all strikes.
 const LOOKS: usize = 2;
@@ -63,8 +74,10 @@ pub(crate) fn starts(
     let strengths: Vec<f64> = changes.iter().map(strength_of).collect();
     let Some(first) = strongest_but(&strengths, attempt) else { return Vec::new() };
     let looked_at = Grid::new(exponents_of(poles), rate_hz);
-    let mut found: Vec<(f64, Model)> =
-        grid(TRIED, rate_hz).into_par_iter().map(|time| from_trial(&changes, first, time, poles, &looked_at)).collect();
+    let mut found: Vec<(f64, Model)> = grid(TRIED, rate_hz)
+        .into_par_iter()
+        .flat_map_iter(|time| from_trial(&changes, first, time, poles, &looked_at))
+        .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
 }
@@ -126,8 +139,7 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
         };
         let gains: Vec<C64> = (0..model.poles.len()).map(gain).collect();
         let mut contact = looked_at.best(&change, &gains, &silent);
-        let mut left = f64::INFINITY;
-        (0..3).for_each(|_| left = looked_at.improve(&mut contact, &change, &gains));
+        let left = looked_at.improve(&mut contact, &change, &gains);
         strike.contact = Contact { middle: contact.middle + at as f64, ..contact };
         (left, strike)
     };
@@ -146,41 +158,38 @@ pub(super) fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
     (0..count).map(tried).collect()
 }
 
-/// Model for a trial contact time of the strike `first`, with its misfit.
-fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid: &Grid) -> (f64, Model) {
-    let exponents = &grid.exponents;
+/// Models for contact times of the strike `first` near a trial one, with their misfits.
+///
+/// All strikes are looked up on the grid at the trial time, and followed from there to the others.
+fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid: &Grid) -> Vec<(f64, Model)> {
     let loud = &changes[first];
-    let mut gains: Vec<C64> =
-        loud.amplitudes.iter().zip(exponents).map(|(a, s)| a / strength(*s, time).value).collect();
-    let mut spreads: Vec<f64> =
-        loud.variances.iter().zip(exponents).map(|(v, s)| v / strength(*s, time).value.norm_sqr()).collect();
+    let strengths: Vec<C64> = grid.exponents.iter().map(|s| strength(*s, time).value).collect();
+    let mut gains: Vec<C64> = loud.amplitudes.iter().zip(&strengths).map(|(a, strength)| a / strength).collect();
+    let mut spreads: Vec<f64> = loud.variances.iter().zip(&strengths).map(|(v, s)| v / s.norm_sqr()).collect();
     // δ of the first strike is 0: its gains hold the phases, which turn all δ by one amount.
     let (mut contacts, mut misfit) = (Vec::new(), f64::INFINITY);
-    for round in 0..LOOKS * ROUNDS {
-        if round % ROUNDS == 0 {
-            let look = |change: &Change| grid.best(change, &gains, &spreads);
-            contacts = changes.iter().map(look).collect::<Vec<Contact>>();
-            // The next look has gains of all strikes.
-            spreads.fill(0.0);
-        }
-        for (contact, change) in contacts.iter_mut().zip(changes) {
-            grid.improve(contact, change, &gains);
-        }
-        let mut left = 0.0;
-        for (mode, gain) in gains.iter_mut().enumerate() {
-            let (mut along, mut size, mut energy) = (C64::new(0.0, 0.0), 1e-300, 0.0);
-            for (contact, change) in contacts.iter().zip(changes) {
-                let shape = shape(contact, exponents[mode]);
-                let weight = 1.0 / change.variances[mode];
-                along += shape.conj() * change.amplitudes[mode] * weight;
-                size += shape.norm_sqr() * weight;
-                energy += change.amplitudes[mode].norm_sqr() * weight;
-            }
-            *gain = along / size;
-            left += energy - along.norm_sqr() / size;
-        }
-        misfit = left;
+    for _ in 0..LOOKS {
+        contacts = changes.iter().map(|change| grid.best(change, &gains, &spreads)).collect::<Vec<Contact>>();
+        misfit = grid.in_turn(&mut contacts, changes, &mut gains);
+        // The next look has gains of all strikes.
+        spreads.fill(0.0);
     }
+    let mut found = vec![(misfit, model_of(changes, poles, &contacts, &gains))];
+    for factor in [FINER, 1.0 / FINER] {
+        let (mut contacts, mut gains) = (contacts.clone(), gains.clone());
+        for step in 1..=FOLLOWED {
+            let all_longer = (time * factor.powi(step)).powi(2) - contacts[first].time.powi(2);
+            contacts.iter_mut().for_each(|contact| grid.lengthen(contact, all_longer));
+            grid.fit_gains(&contacts, changes, &mut gains);
+            let misfit = grid.in_turn(&mut contacts, changes, &mut gains);
+            found.push((misfit, model_of(changes, poles, &contacts, &gains)));
+        }
+    }
+    found
+}
+
+/// Model of modes and of the contacts of changes.
+fn model_of(changes: &[Change], poles: &[Pole], contacts: &[Contact], gains: &[C64]) -> Model {
     let strikes = contacts.iter().zip(changes).map(|(contact, change)| Strike {
         contact: Contact { middle: change.at as f64 + contact.middle, ..*contact },
         position: 0.0,
@@ -188,7 +197,7 @@ fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid:
     });
     let mut model = Model {
         poles: poles.to_vec(),
-        gains: gains.into_iter().map(|gain| vec![gain]).collect(),
+        gains: gains.iter().map(|gain| vec![*gain]).collect(),
         owners: vec![None; poles.len()],
         acceleration: 0.0,
         contact_times_are_held: false,
@@ -196,7 +205,7 @@ fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid:
     };
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
     model.normalise();
-    (misfit, model)
+    model
 }
 
 /// Amplitude of a mode of gain 1 at the moment, by a contact whose middle counts from there.
@@ -232,8 +241,9 @@ impl Grid {
         let steps = ((self.reach[0] + self.reach[1]) / STEP) as usize;
         let turns: Vec<C64> = self.exponents.iter().map(|s| C64::new(0.0, s.im * STEP).exp()).collect();
         let first: Vec<C64> = self.exponents.iter().map(|s| C64::new(0.0, -s.im * self.reach[0]).exp()).collect();
-        let mut best = (0.0, Contact { middle: 0.0, time: self.times[0], peak: 1e-9 });
-        for (&time, strengths) in self.times.iter().zip(&self.strengths) {
+        let nothing = Contact { middle: 0.0, time: self.times[0], peak: 1e-9 };
+        let mut best = vec![(0.0, nothing); self.times.len()];
+        for ((&time, strengths), best) in self.times.iter().zip(&self.strengths).zip(&mut best) {
             let shapes: Vec<C64> = gains.iter().zip(strengths).map(|(gain, strength)| gain * strength).collect();
             let loudness = energy / shapes.iter().map(C64::norm_sqr).sum::<f64>().max(1e-300);
             let weights: Vec<f64> = (change.variances.iter().zip(spreads).zip(strengths))
@@ -247,12 +257,60 @@ impl Grid {
                 let sum: f64 = along.iter().map(|x| x.re).sum();
                 if sum > 0.0 && sum * sum / size > best.0 {
                     let middle = step as f64 * STEP - self.reach[0];
-                    best = (sum * sum / size, Contact { middle, time, peak: sum / size });
+                    *best = (sum * sum / size, Contact { middle, time, peak: sum / size });
                 }
                 along.iter_mut().zip(&turns).for_each(|(x, turn)| *x *= turn);
             }
         }
-        best.1
+        // The steps of the grid may be longer than the way from one minimum to the next.
+        best.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let improved = |(_, mut contact): (f64, Contact)| {
+            let left = (0..IMPROVED).fold(f64::INFINITY, |_, _| self.improve(&mut contact, change, gains));
+            (left, contact)
+        };
+        let found = best.into_iter().take(LOOKED_AT).map(improved);
+        found.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(nothing, |(_, contact)| contact)
+    }
+
+    /// Improves contacts and gains in turn; returns what is left of the changes, in units of their
+    /// variances.
+    fn in_turn(&self, contacts: &mut [Contact], changes: &[Change], gains: &mut [C64]) -> f64 {
+        let mut left = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            for (contact, change) in contacts.iter_mut().zip(changes) {
+                self.improve(contact, change, gains);
+            }
+            left = self.fit_gains(contacts, changes, gains);
+        }
+        left
+    }
+
+    /// Fits gains to the changes of contacts; returns what is left of the changes.
+    fn fit_gains(&self, contacts: &[Contact], changes: &[Change], gains: &mut [C64]) -> f64 {
+        let mut left = 0.0;
+        for (mode, gain) in gains.iter_mut().enumerate() {
+            let (mut along, mut size, mut energy) = (C64::new(0.0, 0.0), 1e-300, 0.0);
+            for (contact, change) in contacts.iter().zip(changes) {
+                let shape = shape(contact, self.exponents[mode]);
+                let weight = 1.0 / change.variances[mode];
+                along += shape.conj() * change.amplitudes[mode] * weight;
+                size += shape.norm_sqr() * weight;
+                energy += change.amplitudes[mode].norm_sqr() * weight;
+            }
+            *gain = along / size;
+            left += energy - along.norm_sqr() / size;
+        }
+        left
+    }
+
+    /// Lengthens a contact by an amount of its squared time, with the ringing that it has.
+    ///
+    /// Slow modes tell the squares of contact times up to a constant.
+    fn lengthen(&self, contact: &mut Contact, by: f64) {
+        let longest = self.times[self.times.len() - 1];
+        let time = (contact.time * contact.time + by).max(0.0).sqrt().clamp(self.times[0], longest);
+        contact.peak *= contact.time / time;
+        contact.time = time;
     }
 
     /// Damped Gauss-Newton steps of a contact's middle, ln τ and ln m at given gains, within the
