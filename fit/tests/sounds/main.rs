@@ -10,4 +10,5 @@ mod hammer;
 mod modes;
 mod room;
 mod room_prior;
+mod surface_waves;
 mod surfaces;
