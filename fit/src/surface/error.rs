@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use kit::counting::counted;
 
+use super::options::Note;
+
 /// Reason why no table can be made of a surface. Its message says what is wrong, where, and what to
 /// do.
 #[derive(Debug, thiserror::Error)]
@@ -139,6 +141,12 @@ pub enum SurfaceError {
     /// `--map` was given for a profile.
     #[error("--map: the file holds one profile, not a map: leave --map out")]
     NoMap,
+    /// No kit takes heights as large or small as these, which look as if they were in another unit.
+    #[error("no kit takes this table: {note}")]
+    Unit {
+        /// Doubt about the unit, with advice.
+        note: Note,
+    },
     /// A kit does not take the table.
     #[error(
         "no kit takes this table ({cause}): if it is too large or too small give another --section or --extend-to, else look whether heights and steps are in metres (--height-scale, --step)"

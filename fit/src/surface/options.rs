@@ -57,11 +57,13 @@ pub enum Note {
         /// Step in metres.
         step_m: f64,
     },
-    /// Heights look wrong by a factor of 1000.
+    /// Heights look as if they were in another unit than metres.
     Scale {
         /// Rms of the heights in metres, without waves longer than 2.8 mm.
         rms_m: f64,
-        /// Factor that `--height-scale` would mend it with.
+        /// Power of 1000 by which they look too large, or too small if it is below 1.
+        wrong_by: f64,
+        /// `--height-scale` that would mend it, in place of the one that was given.
         factor: f64,
     },
     /// Nothing was measured below the shortest wavelength.
@@ -92,6 +94,13 @@ pub enum Note {
     },
 }
 
+impl Note {
+    /// True for [`Note::Scale`].
+    pub(super) fn is_scale(&self) -> bool {
+        matches!(self, Self::Scale { .. })
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -99,9 +108,9 @@ impl fmt::Display for Note {
                 write!(f, "{percent:.1} % of the points were missing, and are filled from their neighbours")
             }
             Self::Resampled { step_m } => write!(f, "positions are uneven: resampled to steps of {step_m:.3e} m"),
-            Self::Scale { rms_m, factor } => write!(
+            Self::Scale { rms_m, wrong_by, factor } => write!(
                 f,
-                "heights of {rms_m:.1e} m rms look wrong by a factor of 1000: if so, give --height-scale {factor}"
+                "heights of {rms_m:.1e} m rms look wrong by a factor of {wrong_by:e}: if so, give --height-scale {factor:e}"
             ),
             Self::Upsampled { shortest_m, step_m } => write!(
                 f,
