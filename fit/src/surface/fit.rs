@@ -2,7 +2,7 @@
 
 use super::error::SurfaceError;
 use super::extension::{FITTED, extended};
-use super::filled::{filled, whole_rows};
+use super::filled::{fill, fill_short, whole_rows};
 use super::heights::Heights;
 use super::map::map;
 use super::options::{Note, Options, Source};
@@ -67,10 +67,10 @@ fn fitted(
 ) -> Result<(Table, Report), SurfaceError> {
     check(&heights, options)?;
     heights.values.iter_mut().for_each(|height| *height *= options.height_scale);
+    notes.extend(fill_short(&mut heights)?);
     let whole = whole_rows(&heights, LEAST_POINTS);
     let is_missing: Vec<bool> = heights.values.iter().map(|height| !height.is_finite()).collect();
-    let (heights, note) = filled(heights)?;
-    notes.extend(note);
+    fill(&mut heights);
     told(0.1);
     let is_map = options.source == Source::Map;
     let of_rows = profiles(whole.as_ref().unwrap_or(&heights));

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use fit::surface::{Heights, Note, Options, Report, fit};
+use fit::surface::{Heights, Note, Options, Report, Source, fit};
 use fourier::Complex;
 
 /// Numbers from 0 to 1 (xorshift, Marsaglia 2003).
@@ -60,4 +60,77 @@ fn grooves_of_2_mm_are_not_the_shortest_wave_of_a_rough_surface() {
     let groove = |n: usize| 5e-5 * (TAU * n as f64 * 1e-5 / 2e-3).sin();
     heights.values.iter_mut().enumerate().for_each(|(n, height)| *height += groove(n));
     assert!(report(&heights, Options::default()).0.shortest_m < 2.6e-5);
+}
+
+/// Heights without a share of their points.
+fn with_holes(heights: &Heights, share: f64) -> Heights {
+    let mut uniform = random(3);
+    let mut holed = heights.clone();
+    holed.values.iter_mut().for_each(|height| *height = if uniform() < share { f64::NAN } else { *height });
+    holed
+}
+
+/// Asserts that a surface with holes has the waves and the curvature of the whole one.
+fn assert_alike(name: &str, whole: &Report, holed: &Report) {
+    let in_um = [whole, holed].map(|report| 1e6 * report.shortest_m);
+    let curvatures = [whole, holed].map(|report| report.curvature_rms_per_m);
+    let kurtosis = [whole, holed].map(|report| report.kurtosis[0]);
+    println!("{name}: shortest wave {in_um:.2?} µm, curvature {curvatures:.1?} 1/m, kurtosis {kurtosis:.3?}");
+    assert!((in_um[1] / in_um[0] - 1.0).abs() < 0.02, "{name}: shortest wave {in_um:?} µm");
+    assert!((curvatures[1] / curvatures[0] - 1.0).abs() < 0.01, "{name}: curvature {curvatures:?} 1/m");
+    assert!((kurtosis[1] - kurtosis[0]).abs() < 0.05, "{name}: kurtosis {kurtosis:?}");
+}
+
+#[test]
+fn single_missing_points_leave_the_waves_of_a_smooth_profile_as_they_are() {
+    for points_per_wave in [4.0, 6.0, 10.0, 16.0] {
+        let heights = band_limited(32_768, 4e-6, points_per_wave * 4e-6, -2.0, 1);
+        let (whole, _) = report(&heights, Options::default());
+        for share in [0.01, 0.05] {
+            let (holed, notes) = report(&with_holes(&heights, share), Options::default());
+            let name = format!("{points_per_wave} points a wave, {share} missing");
+            assert_alike(&name, &whole, &holed);
+            assert!(notes.iter().any(|note| matches!(note, Note::Filled { .. })), "{notes:?}");
+        }
+    }
+}
+
+#[test]
+fn missing_points_of_a_noisy_profile_are_filled_without_more_noise() {
+    let mut heights = band_limited(32_768, 4e-6, 40e-6, -2.0, 1);
+    let mut uniform = random(5);
+    heights.values.iter_mut().for_each(|height| *height += 2e-6 * (uniform() - 0.5));
+    let curvature = |heights: &Heights| report(heights, Options::default()).0.curvature_rms_per_m;
+    let (whole, holed) = (curvature(&heights), curvature(&with_holes(&heights, 0.05)));
+    println!("noisy: curvature {whole:.0} and {holed:.0} 1/m");
+    assert!((holed / whole - 1.0).abs() < 0.05, "{holed} and {whole} 1/m");
+}
+
+/// A map of waves in all directions, none shorter than 80 µm, in steps of 10 µm.
+fn wavy_map(columns: usize, rows: usize) -> Heights {
+    let mut uniform = random(9);
+    let waves: Vec<[f64; 4]> = (0..200)
+        .map(|_| {
+            let (direction, length_m) = (TAU * uniform(), 80e-6 / uniform().max(0.05));
+            [TAU / length_m * direction.cos(), TAU / length_m * direction.sin(), TAU * uniform(), length_m / 80e-6]
+        })
+        .collect();
+    let height = |index: usize| {
+        let (x, y) = ((index % columns) as f64 * 1e-5, (index / columns) as f64 * 1e-5);
+        waves.iter().map(|[along, across, phase, size]| 1e-7 * size * (along * x + across * y + phase).sin()).sum()
+    };
+    Heights { step_m: 1e-5, columns, values: (0..columns * rows).map(height).collect() }
+}
+
+#[test]
+fn single_missing_points_leave_the_waves_of_a_smooth_map_as_they_are() {
+    let heights = wavy_map(400, 400);
+    for source in [Source::Map, Source::Statistics] {
+        let options = Options { source, ..Options::default() };
+        let (whole, _) = report(&heights, options);
+        for share in [0.01, 0.05] {
+            let (holed, _) = report(&with_holes(&heights, share), options);
+            assert_alike(&format!("{source:?}, {share} missing"), &whole, &holed);
+        }
+    }
 }
