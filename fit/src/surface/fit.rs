@@ -19,6 +19,8 @@ use super::waves::frequency_per_m;
 /// Number of points of a synthesis at least and at most, a power of two. Twice as many would not
 /// fit into the 64 KB that a surface may take.
 const POINTS: [usize; 2] = [256, 4096];
+/// Least number of columns that are read as profiles where rows are too short.
+const LEAST_COLUMNS: usize = 25;
 /// Points of a table in its shortest wave.
 const POINTS_PER_WAVE: f64 = 3.0;
 /// Largest share of a profile's curvature, in percent of its power, that may lie below the shortest
@@ -66,23 +68,28 @@ fn fitted(
     notes: &mut Vec<Note>,
 ) -> Result<(Table, Report), SurfaceError> {
     check(&heights, options)?;
+    let is_map = options.source == Source::Map;
+    let is_tall = heights.columns < LEAST_POINTS;
+    if is_tall && !is_map {
+        heights = heights.turned();
+    }
     heights.values.iter_mut().for_each(|height| *height *= options.height_scale);
     notes.extend(fill_short(&mut heights)?);
     let whole = whole_rows(&heights, LEAST_POINTS);
+    let whole_across = if is_map { whole_rows(&heights.turned(), LEAST_POINTS) } else { None };
     let is_missing: Vec<bool> = heights.values.iter().map(|height| !height.is_finite()).collect();
     fill(&mut heights);
     told(0.1);
-    let is_map = options.source == Source::Map;
     let of_rows = profiles(whole.as_ref().unwrap_or(&heights));
-    // A map of grooves has waves across its rows alone.
-    let of_columns = if is_map { profiles(&heights.turned()).ok() } else { None };
+    let of_columns = if is_map { profiles(&whole_across.unwrap_or_else(|| heights.turned())).ok() } else { None };
     let (mut profiles, others, is_turned) = match (of_rows, of_columns) {
-        (Err(SurfaceError::Flat), Some(columns)) => (columns, None, true),
+        // A map of grooves has waves across its rows alone, and that of a strip may have short rows.
+        (Err(SurfaceError::Flat | SurfaceError::TooFew { .. }), Some(columns)) => (columns, None, true),
         (rows, columns) => (rows?, columns, false),
     };
     notes.extend(profiles.doubt(options.height_scale));
     if profiles.rows.len() > 1 && !is_map {
-        notes.push(Note::Rows { rows: profiles.rows.len() });
+        notes.push(Note::Rows { rows: profiles.rows.len(), is_turned: is_tall });
     }
     let (mut measured_m, mut note) = shortest_m(&profiles);
     if let Some((across_m, across)) = others.as_ref().map(shortest_m).filter(|(across_m, _)| *across_m < measured_m) {
@@ -152,7 +159,9 @@ fn check(heights: &Heights, options: &Options) -> Result<(), SurfaceError> {
     if !(1e-12..=1e12).contains(&options.height_scale) {
         return range("--height-scale", options.height_scale, "give 1e-12 to 1e12, such as 1e-6 for heights in µm");
     }
-    if heights.columns < LEAST_POINTS || heights.rows() == 0 {
+    // A map may be saved either way round. Columns of a list of points are no profiles, though.
+    let is_long = heights.columns >= LEAST_POINTS || heights.columns >= LEAST_COLUMNS && heights.rows() >= LEAST_POINTS;
+    if !is_long || heights.rows() == 0 {
         return Err(SurfaceError::TooFew { points: heights.columns, least: LEAST_POINTS });
     }
     let [least, most] = POINTS;

@@ -91,6 +91,8 @@ pub enum Note {
     Rows {
         /// Number of profiles.
         rows: usize,
+        /// True if they are the map's columns, since its rows are too short.
+        is_turned: bool,
     },
 }
 
@@ -129,7 +131,10 @@ impl fmt::Display for Note {
                 "waves longer than {:.2} mm are left out: beside them 16-bit heights would be too coarse for the short ones",
                 1e3 * longest_m
             ),
-            Self::Rows { rows } => write!(f, "the map's {rows} rows are read as profiles; --map keeps the map itself"),
+            Self::Rows { rows, is_turned } => {
+                let (lines, why) = if *is_turned { ("columns", ", since its rows are short") } else { ("rows", "") };
+                write!(f, "the map's {rows} {lines} are read as profiles{why}; --map keeps the map itself")
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use fit::surface::{Heights, Note, Options, Report, Source, fit};
+use fit::surface::{Heights, Note, Options, Report, Source, SurfaceError, fit};
 use fourier::Complex;
 
 /// Numbers from 0 to 1 (xorshift, Marsaglia 2003).
@@ -133,4 +133,33 @@ fn single_missing_points_leave_the_waves_of_a_smooth_map_as_they_are() {
             assert_alike(&format!("{source:?}, {share} missing"), &whole, &holed);
         }
     }
+}
+
+#[test]
+fn strip_of_a_map_has_one_table_whichever_way_round_it_is_saved() {
+    let wide = wavy_map(300, 128);
+    let tall = Heights { columns: 128, values: by_columns(&wide), ..wide };
+    for source in [Source::Map, Source::Statistics] {
+        let options = Options { source, ..Options::default() };
+        let (of_wide, _) = report(&wide, options);
+        let (of_tall, notes) = report(&tall, options);
+        println!("{source:?}: {:.1} and {:.1} 1/m", of_wide.curvature_rms_per_m, of_tall.curvature_rms_per_m);
+        // A map's sides are rounded to whole steps, the second one to those of the first.
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < if source == Source::Map { 0.03 } else { 1e-9 };
+        assert!(close(of_tall.curvature_rms_per_m, of_wide.curvature_rms_per_m), "{of_tall:?}");
+        assert!(close(of_tall.flash_bytes as f64, of_wide.flash_bytes as f64), "{of_tall:?}");
+        assert_eq!(of_tall.shortest_m, of_wide.shortest_m);
+        let is_told = notes.iter().any(|note| matches!(note, Note::Rows { rows: 128, is_turned: true }));
+        assert_eq!(is_told, source == Source::Statistics, "{notes:?}");
+    }
+    // A list of points has many lines, too, and is no map.
+    let list = Heights { step_m: 1e-5, columns: 3, values: vec![1e-6; 3_000] };
+    let refused = fit(list, &Options::default(), |_| {});
+    assert!(matches!(refused, Err(SurfaceError::TooFew { points: 3, .. })), "{refused:?}");
+}
+
+/// Heights of a map column by column.
+fn by_columns(map: &Heights) -> Vec<f64> {
+    let (columns, rows) = (map.columns, map.values.len() / map.columns);
+    (0..columns * rows).map(|index| map.values[index % rows * columns + index / rows]).collect()
 }
