@@ -66,6 +66,13 @@ pub enum Note {
         /// `--height-scale` that would mend it, in place of the one that was given.
         factor: f64,
     },
+    /// The first line of a CSV file has names that are not known.
+    Head {
+        /// The line.
+        head: String,
+        /// Meaning that its columns have all the same.
+        read_as: &'static str,
+    },
     /// Nothing was measured below the shortest wavelength.
     Upsampled {
         /// Shortest wavelength in metres.
@@ -114,6 +121,9 @@ impl fmt::Display for Note {
                 f,
                 "heights of {rms_m:.1e} m rms look wrong by a factor of {wrong_by:e}: if so, give --height-scale {factor:e}"
             ),
+            Self::Head { head, read_as } => {
+                write!(f, "the head {head:?} is not known: {read_as}, in metres")
+            }
             Self::Upsampled { shortest_m, step_m } => write!(
                 f,
                 "nothing was measured below waves of {:.1} µm though points are {:.2} µm apart: what lies below is left out",
