@@ -35,6 +35,9 @@ pub(super) fn read(
     for remark in motion.remarks() {
         eprintln!("malleus: {}: {remark}", path.display());
     }
+    for beyond in scraped::beyond(&motion, table, rate) {
+        eprintln!("malleus: {}: {beyond}", path.display());
+    }
     let strikes = match &arguments.strikes {
         None => Vec::new(),
         Some(strikes) => {
