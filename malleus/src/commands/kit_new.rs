@@ -6,7 +6,7 @@ use clap::CommandFactory;
 use clap::error::ErrorKind;
 use dsp_core::SampleRate;
 use kit::counting::counted;
-use malleus::render::headroom::{self, LARGEST_FORCE};
+use malleus::render::headroom::{self, LARGEST_FORCE, LARGEST_OWN, Loudness};
 
 use super::error::CommandError;
 use super::kit_report::open;
@@ -170,18 +170,46 @@ fn set_reference_forces(kit: &mut kit::Kit) {
 
 /// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1.
 ///
-/// Levels stay at 0 dB if the instrument cannot render the kit.
+/// Where a pad's own sound comes near the end of its bus, its object's gains are lowered first: no
+/// level mends what is clipped before it. Levels stay at 0 dB if the instrument cannot render the
+/// kit.
 fn set_levels(output: &Path, kit: &mut kit::Kit) {
     let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
     let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));
     bar.finish_and_clear();
     match strikes {
-        Ok(strikes) => {
+        Ok(mut strikes) => {
+            lower_gains(output, kit, &mut strikes);
             for (index, pad) in kit.pads.iter_mut().enumerate() {
                 let peaks = strikes.iter().filter(|strike| strike.pad == index).map(|strike| strike.peak);
                 pad.level_db = headroom::fitting_level_db(pad.level_db, peaks.fold(0.0, f64::max));
             }
         }
         Err(error) => eprintln!("malleus: {}: levels stay at 0 dB: {error}", output.display()),
+    }
+}
+
+/// Lowers the gains of objects whose pads' own sound comes near the end of its bus, and the peaks of
+/// their strikes.
+fn lower_gains(output: &Path, kit: &mut kit::Kit, strikes: &mut [Loudness]) {
+    for index in 0..kit.objects.len() {
+        let Some(object) = kit.objects.get(index) else { continue };
+        let name = object.name.clone();
+        let Some(gain) = headroom::fitting_gain(kit, &name, strikes, LARGEST_OWN) else { continue };
+        let lowered = object.with_gain(gain);
+        eprintln!(
+            "malleus: {}: gains of {name:?} are {:.1} dB lower than in its table: its sound would clip before level_db",
+            output.display(),
+            -20.0 * gain.log10()
+        );
+        if let Some(slot) = kit.objects.get_mut(index) {
+            *slot = lowered;
+        }
+        for (index, pad) in kit.pads.iter_mut().enumerate().filter(|(_, pad)| pad.object == name) {
+            pad.striker_weight = (f64::from(pad.striker_weight) * gain) as f32;
+            for strike in strikes.iter_mut().filter(|strike| strike.pad == index) {
+                (strike.peak, strike.own_peak) = (strike.peak * gain, strike.own_peak * gain);
+            }
+        }
     }
 }
