@@ -57,7 +57,8 @@ pub(super) fn fill(heights: &mut Heights) {
 /// The rows of a map that are whole between the columns where most rows are; `None` if fewer than a
 /// quarter of them are, or these columns are fewer than `least`.
 ///
-/// Points of long holes are filled more smoothly than measured ones, so that statistics are better without them.
+/// Points of long holes are filled more smoothly than measured ones, so that statistics are better
+/// without them.
 pub(super) fn whole_rows(heights: &Heights, least: usize) -> Option<Heights> {
     let runs: Vec<[usize; 2]> = heights.values.chunks_exact(heights.columns).map(longest_run).collect();
     let middle = |end: usize| {

@@ -83,7 +83,7 @@ fn fitted(
     let of_rows = profiles(whole.as_ref().unwrap_or(&heights));
     let of_columns = if is_map { profiles(&whole_across.unwrap_or_else(|| heights.turned())).ok() } else { None };
     let (mut profiles, others, is_turned) = match (of_rows, of_columns) {
-        // A map of grooves has waves across its rows alone, and that of a strip may have short rows.
+        // A map of grooves has waves across its rows alone, and a strip may have short rows.
         (Err(SurfaceError::Flat | SurfaceError::TooFew { .. }), Some(columns)) => (columns, None, true),
         (rows, columns) => (rows?, columns, false),
     };

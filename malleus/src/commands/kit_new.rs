@@ -189,8 +189,8 @@ fn set_levels(output: &Path, kit: &mut kit::Kit) {
     }
 }
 
-/// Lowers the gains of objects whose pads' own sound comes near the end of its bus, and the peaks of
-/// their strikes.
+/// Lowers the gains of objects whose pads' own sound comes near the end of its bus, and with them
+/// the peaks of their strikes.
 fn lower_gains(output: &Path, kit: &mut kit::Kit, strikes: &mut [Loudness]) {
     for index in 0..kit.objects.len() {
         let Some(object) = kit.objects.get(index) else { continue };

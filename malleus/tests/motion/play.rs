@@ -277,7 +277,10 @@ fn motion_that_leaves_the_object_is_told_with_its_time_and_place() {
     assert!(!told(0.2, " --at -0.1,0").contains("leaves"), "{}", told(0.2, " --at -0.1,0"));
     // Both strokes there end 0.2 m from the middle: 0.1 m is reached at the angle acos(-1/3).
     let said = told(0.3, " --at -0.1,0");
-    assert!(said.contains("m.csv: pad bar: the motion leaves the object 2 times, first at 0.305 s at 0.1005,0.0000 m"), "{said}");
+    assert!(
+        said.contains("m.csv: pad bar: the motion leaves the object 2 times, first at 0.305 s at 0.1005,0.0000 m"),
+        "{said}"
+    );
     assert!(said.contains("size_m = [0.2, 0.1]"), "{said}");
 }
 
