@@ -13,7 +13,7 @@ use super::error::CommandError;
 use super::output::progress;
 use crate::arguments::{AblationName, PlayArguments};
 
-/// What is played, and beside its sound written.
+/// Performance as it is played, and the file that is written beside its sound.
 pub(super) struct Played {
     pub(super) rate: SampleRate,
     pub(super) performance: Performance,
