@@ -300,6 +300,38 @@ impl Object {
         object
     }
 
+    /// The object with its sound multiplied by a factor at each force.
+    ///
+    /// Numbers may leave their ranges; building the kit tells.
+    #[must_use]
+    pub fn with_gain(&self, factor: f64) -> Self {
+        let times = |x: &mut f32| *x = (f64::from(*x) * factor) as f32;
+        let mut object = self.clone();
+        // Modes through a dynamic filter are amplified by the filter.
+        let is_through = object.dynamic_filter.as_ref().is_some_and(|filter| filter.modes == ModesGo::Through);
+        if !is_through {
+            let gains = object.modes.iter_mut().flat_map(|mode| &mut mode.gains);
+            gains.for_each(|gain| [&mut gain.sine, &mut gain.cosine].into_iter().for_each(times));
+        }
+        if let Acceleration::Factor(alpha) = &mut object.acceleration {
+            times(alpha);
+        }
+        if let Some(residual) = &mut object.residual {
+            residual.weight.iter_mut().for_each(times);
+        }
+        if let Some(filter) = &mut object.dynamic_filter {
+            for point in &mut filter.path {
+                [&mut point.b0, &mut point.b1, &mut point.b2].into_iter().for_each(times);
+            }
+            // What goes round a loop is to keep its size.
+            filter.loops.iter_mut().for_each(|round| round.gain = (f64::from(round.gain) / factor) as f32);
+        }
+        // Biquads of a chain stand one behind the other, chains side by side.
+        let chains = object.biquads.iter_mut().flat_map(|biquads| &mut biquads.chains);
+        chains.filter_map(|chain| chain.first_mut()).for_each(|biquad| times(&mut biquad.gain));
+        object
+    }
+
     /// Number of positions at which gains are given: that of the first mode, 1 without modes.
     pub fn position_count(&self) -> usize {
         self.modes.first().map_or(1, |mode| mode.gains.len())

@@ -202,15 +202,29 @@ pub enum Fault {
         /// Shortest wave in metres.
         shortest_m: f64,
     },
-    /// A scraper's limits, of which one is that of a surface, are upside down.
-    #[error(
-        "alpha_min_m and alpha_max_m are {least_m:e} and {most_m:e} on surface {surface:?}: the first must be below the second"
-    )]
+    /// A scraper's own limits are upside down.
+    #[error("alpha_min_m = {least_m:e}: must be at most alpha_max_m = {most_m:e}; exchange the two")]
     Limits {
         /// Limit at the largest normal force in metres.
-        least_m: f64,
+        least_m: f32,
         /// Limit at the least normal force in metres.
-        most_m: f64,
+        most_m: f32,
+    },
+    /// A scraper's own limit and the usual other one of a surface are upside down.
+    #[error(
+        "{key} = {own_m:e}: must be at {bound} {usual_m:e}, the usual {other} on surface {surface:?}; give another {key}, or {other} too"
+    )]
+    LimitOnSurface {
+        /// Key of the striker's own limit.
+        key: &'static str,
+        /// The striker's own limit in metres.
+        own_m: f32,
+        /// `most` or `least`.
+        bound: &'static str,
+        /// Key of the other limit.
+        other: &'static str,
+        /// The surface's other limit in metres.
+        usual_m: f64,
         /// Name of the surface.
         surface: String,
     },

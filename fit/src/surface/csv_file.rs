@@ -1,5 +1,6 @@
 //! Heights from a CSV file.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -15,19 +16,26 @@ const EVEN: f64 = 0.02;
 /// Distance of neighbours, in usual ones, beyond which points are missing between them.
 const GAP: f64 = 3.0;
 
+/// Units in which heads of other programs' files have columns, as the last word of a name.
+const OTHER_UNITS: [&str; 8] = ["km", "cm", "mm", "um", "µm", "μm", "nm", "pm"];
+
 /// Heights of a file, with its step where it has positions, and notes on what was decided.
 pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(Heights, Vec<Note>), SurfaceError> {
+    let bytes = with_commas(bytes);
     let mut reader =
-        ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let (mut values, mut columns, mut lines) = (Vec::new(), 0, Vec::new());
+        ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).comment(Some(b'#')).from_reader(&*bytes);
+    let (mut values, mut columns, mut lines, mut head) = (Vec::new(), 0, Vec::new(), None);
     for (index, record) in reader.records().enumerate() {
         let at = |line: u64, cause: String| SurfaceError::CsvLine { path: path.to_owned(), line, cause };
         let record = record.map_err(|cause| at(index as u64 + 1, cause.to_string()))?;
         let line = record.position().map_or(index as u64 + 1, csv::Position::line);
         let numbers = match numbers(&record) {
             Ok(numbers) => numbers,
-            // The first line may be the head.
-            Err(_) if index == 0 => continue,
+            // The first line may be the head, which has no numbers.
+            Err(_) if index == 0 && !record.iter().any(|cell| cell.parse::<f64>().is_ok()) => {
+                head = Some((line, record));
+                continue;
+            }
             Err(cell) => return Err(at(line, format!("{cell:?} is no number"))),
         };
         if columns == 0 {
@@ -39,11 +47,53 @@ pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(H
         values.extend(numbers);
         lines.push(line);
     }
+    let note = head.map(|(line, head)| of_head(&head, columns, path, line)).transpose()?.flatten();
     let step = || step_m.ok_or_else(|| SurfaceError::NoStep { path: path.to_owned() });
-    match columns {
-        0 | 1 => Ok((Heights { step_m: step()?, columns: values.len(), values }, Vec::new())),
-        2 => of_positions(&values, &lines, path),
-        columns => Ok((Heights { step_m: step()?, columns, values }, Vec::new())),
+    let (heights, notes) = match columns {
+        0 | 1 => (Heights { step_m: step()?, columns: values.len(), values }, Vec::new()),
+        2 => of_positions(&values, &lines, path)?,
+        columns => (Heights { step_m: step()?, columns, values }, Vec::new()),
+    };
+    Ok((heights, note.into_iter().chain(notes).collect()))
+}
+
+/// The file with commas between its columns: `numpy.savetxt` writes blanks there.
+fn with_commas(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.contains(&b',') {
+        return Cow::Borrowed(bytes);
+    }
+    let words = |line: &[u8]| {
+        let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join(&b',')
+    };
+    Cow::Owned(bytes.split(|&byte| byte == b'\n').map(words).collect::<Vec<_>>().join(&b'\n'))
+}
+
+/// Note on a head whose names are not known.
+///
+/// # Errors
+/// [`SurfaceError::CsvHead`] if it names another unit than metres, or the height first.
+fn of_head(head: &StringRecord, columns: usize, path: &Path, line: u64) -> Result<Option<Note>, SurfaceError> {
+    let names: Vec<&str> = head.iter().collect();
+    let refused = |cause: String| Err(SurfaceError::CsvHead { path: path.to_owned(), line, cause });
+    let unit = |name: &str| {
+        let mut words = name.split(|letter: char| !letter.is_alphanumeric());
+        words.rfind(|word| !word.is_empty()).and_then(|word| OTHER_UNITS.iter().find(|unit| **unit == word))
+    };
+    if let Some((name, unit)) = names.iter().find_map(|name| Some((name, unit(name)?))) {
+        return refused(format!("the column {name:?} is in {unit}"));
+    }
+    match (columns, &names[..]) {
+        (2, ["height_m", "x_m"]) => refused("the height stands before the position".to_owned()),
+        (1, ["height_m"]) | (2, ["x_m", "height_m"]) => Ok(None),
+        _ => {
+            let read_as = match columns {
+                0 | 1 => "the column is read as heights",
+                2 => "the columns are read as positions and heights",
+                _ => "each line is read as a row of a map",
+            };
+            Ok(Some(Note::Head { head: names.join(","), read_as }))
+        }
     }
 }
 

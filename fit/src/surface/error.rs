@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use kit::counting::counted;
 
+use super::options::Note;
+
 /// Reason why no table can be made of a surface. Its message says what is wrong, where, and what to
 /// do.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +33,7 @@ pub enum SurfaceError {
         reason: &'static str,
     },
     /// The numbers of an NPY file are of a type that heights do not have.
-    #[error("{}: numbers of the type {found}: save heights as float32, float64 or integers of at most 32 bits", path.display())]
+    #[error("{}: numbers of the type {found}: save heights as floats of 16 to 64 bits or integers of 8 to 64", path.display())]
     NumberType {
         /// Path of the file.
         path: PathBuf,
@@ -47,8 +49,18 @@ pub enum SurfaceError {
         shape: Vec<usize>,
     },
     /// A line of a CSV file holds no numbers, or another number of them than the others.
-    #[error("{}, line {line}: {cause}: give a column of heights, columns x_m,height_m, or a map with a row a line", path.display())]
+    #[error("{}, line {line}: {cause}: give a column of heights, columns x_m,height_m, or a map with a row a line, its numbers separated by commas or blanks", path.display())]
     CsvLine {
+        /// Path of the file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Reason.
+        cause: String,
+    },
+    /// The head of a CSV file names a column of another unit than metres, or columns in disorder.
+    #[error("{}, line {line}: {cause}: give heights, or columns x_m,height_m, in metres", path.display())]
+    CsvHead {
         /// Path of the file.
         path: PathBuf,
         /// Number of the line, from 1.
@@ -139,6 +151,12 @@ pub enum SurfaceError {
     /// `--map` was given for a profile.
     #[error("--map: the file holds one profile, not a map: leave --map out")]
     NoMap,
+    /// No kit takes heights as large or small as these, which look as if they were in another unit.
+    #[error("no kit takes this table: {note}")]
+    Unit {
+        /// Doubt about the unit, with advice.
+        note: Note,
+    },
     /// A kit does not take the table.
     #[error(
         "no kit takes this table ({cause}): if it is too large or too small give another --section or --extend-to, else look whether heights and steps are in metres (--height-scale, --step)"

@@ -9,9 +9,10 @@ use super::{csv_file, npy_file};
 
 /// Reads a profile or a map from an NPY or a CSV file.
 ///
-/// NPY: one or two dimensions, heights in metres as floats or integers. CSV, with or without a
-/// head: a column of heights, two columns of position and height, or a map with a row a line; all
-/// in metres, and empty cells or `nan` where a point is missing. `step_m` is the distance of points
+/// NPY: one or two dimensions, heights in metres as floats of 16 to 64 bits or integers of 8 to 64.
+/// CSV, with or without a head, its numbers separated by commas or blanks: a column of heights, two
+/// columns of position and height, or a map with a row a line; all in metres, and empty cells or
+/// `nan` where a point is missing. `step_m` is the distance of points
 /// where the file does not tell it.
 ///
 /// # Errors

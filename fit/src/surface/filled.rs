@@ -2,6 +2,7 @@
 
 use super::error::SurfaceError;
 use super::heights::Heights;
+use super::holes::estimates;
 use super::options::Note;
 
 /// Largest share of points that may be missing.
@@ -9,36 +10,55 @@ const MOST_MISSING: f64 = 0.5;
 /// Number of sweeps of the relaxation of a map's holes.
 const SWEEPS: usize = 400;
 
-/// Fills what is missing: along a profile by straight lines, in a map by the surface whose points
-/// are the means of their neighbours.
+/// Fills short holes by polynomials through their neighbours, in a map along rows and columns.
 ///
 /// # Errors
-/// [`SurfaceError::Missing`] if more than half of the points are missing.
-pub(super) fn filled(mut heights: Heights) -> Result<(Heights, Option<Note>), SurfaceError> {
-    let missing: Vec<usize> = (0..heights.values.len()).filter(|&index| !heights.values[index].is_finite()).collect();
-    if missing.is_empty() {
-        return Ok((heights, None));
+/// [`SurfaceError::Missing`] if more than half of all points are missing.
+pub(super) fn fill_short(heights: &mut Heights) -> Result<Option<Note>, SurfaceError> {
+    let missing = heights.values.iter().filter(|height| !height.is_finite()).count();
+    if missing == 0 {
+        return Ok(None);
     }
-    let share = missing.len() as f64 / heights.values.len() as f64;
+    let share = missing as f64 / heights.values.len() as f64;
     if share > MOST_MISSING {
         return Err(SurfaceError::Missing { percent: 100.0 * share });
     }
-    let columns = heights.columns;
+    let rows = heights.rows();
+    let along = estimates(&heights.values, heights.columns);
+    let across = if rows > 1 { estimates(&heights.turned().values, rows) } else { Vec::new() };
+    for (index, (height, along)) in heights.values.iter_mut().zip(along).enumerate() {
+        let (row, column) = (index / heights.columns, index % heights.columns);
+        let across = across.get(column * rows + row).copied().flatten();
+        let both = along.zip(across).map(|(along, across)| along.mean(across));
+        if let Some(estimate) = both.or(along).or(across) {
+            *height = estimate.height();
+        }
+    }
+    Ok(Some(Note::Filled { percent: 100.0 * share }))
+}
+
+/// Fills all holes: along a profile by straight lines, in a map by the surface whose points are the
+/// means of their neighbours.
+pub(super) fn fill(heights: &mut Heights) {
+    let missing: Vec<usize> = (0..heights.values.len()).filter(|&index| !heights.values[index].is_finite()).collect();
+    if missing.is_empty() {
+        return;
+    }
     let known = heights.values.iter().filter(|height| height.is_finite());
     let mean = known.clone().sum::<f64>() / known.count().max(1) as f64;
-    for row in heights.values.chunks_mut(columns) {
+    for row in heights.values.chunks_mut(heights.columns) {
         fill_row(row, mean);
     }
     if heights.rows() > 1 {
-        relax(&mut heights, &missing);
+        relax(heights, &missing);
     }
-    Ok((heights, Some(Note::Filled { percent: 100.0 * share })))
 }
 
 /// The rows of a map that are whole between the columns where most rows are; `None` if fewer than a
 /// quarter of them are, or these columns are fewer than `least`.
 ///
-/// Filled points are smoother than measured ones, so that statistics are better without them.
+/// Points of long holes are filled more smoothly than measured ones, so that statistics are better
+/// without them.
 pub(super) fn whole_rows(heights: &Heights, least: usize) -> Option<Heights> {
     let runs: Vec<[usize; 2]> = heights.values.chunks_exact(heights.columns).map(longest_run).collect();
     let middle = |end: usize| {

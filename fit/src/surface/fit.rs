@@ -2,7 +2,7 @@
 
 use super::error::SurfaceError;
 use super::extension::{FITTED, extended};
-use super::filled::{filled, whole_rows};
+use super::filled::{fill, fill_short, whole_rows};
 use super::heights::Heights;
 use super::map::map;
 use super::options::{Note, Options, Source};
@@ -19,6 +19,8 @@ use super::waves::frequency_per_m;
 /// Number of points of a synthesis at least and at most, a power of two. Twice as many would not
 /// fit into the 64 KB that a surface may take.
 const POINTS: [usize; 2] = [256, 4096];
+/// Least number of columns that are read as profiles where rows are too short.
+const LEAST_COLUMNS: usize = 25;
 /// Points of a table in its shortest wave.
 const POINTS_PER_WAVE: f64 = 3.0;
 /// Largest share of a profile's curvature, in percent of its power, that may lie below the shortest
@@ -42,28 +44,52 @@ const LEAST_WAVES: f64 = 40.0;
 /// [`SurfaceError`] if the surface is too small, flat or mostly missing, or an option does not fit
 /// it.
 pub fn fit(
-    mut heights: Heights,
+    heights: Heights,
     options: &Options,
     told: impl Fn(f64),
 ) -> Result<(Table, Report, Vec<Note>), SurfaceError> {
+    let mut notes = Vec::new();
+    match fitted(heights, options, told, &mut notes) {
+        Ok((table, report)) => Ok((table, report, notes)),
+        // Heights in another unit are the likeliest reason for which no kit takes a table.
+        Err(SurfaceError::NotOfKit { cause }) => Err(match notes.into_iter().find(Note::is_scale) {
+            Some(note) => SurfaceError::Unit { note },
+            None => SurfaceError::NotOfKit { cause },
+        }),
+        Err(error) => Err(error),
+    }
+}
+
+/// Makes a surface's table, with notes on what was decided.
+fn fitted(
+    mut heights: Heights,
+    options: &Options,
+    told: impl Fn(f64),
+    notes: &mut Vec<Note>,
+) -> Result<(Table, Report), SurfaceError> {
     check(&heights, options)?;
-    heights.values.iter_mut().for_each(|height| *height *= options.height_scale);
-    let whole = whole_rows(&heights, LEAST_POINTS);
-    let is_missing: Vec<bool> = heights.values.iter().map(|height| !height.is_finite()).collect();
-    let (heights, note) = filled(heights)?;
-    let mut notes: Vec<Note> = note.into_iter().collect();
-    told(0.1);
     let is_map = options.source == Source::Map;
+    let is_tall = heights.columns < LEAST_POINTS;
+    if is_tall && !is_map {
+        heights = heights.turned();
+    }
+    heights.values.iter_mut().for_each(|height| *height *= options.height_scale);
+    notes.extend(fill_short(&mut heights)?);
+    let whole = whole_rows(&heights, LEAST_POINTS);
+    let whole_across = if is_map { whole_rows(&heights.turned(), LEAST_POINTS) } else { None };
+    let is_missing: Vec<bool> = heights.values.iter().map(|height| !height.is_finite()).collect();
+    fill(&mut heights);
+    told(0.1);
     let of_rows = profiles(whole.as_ref().unwrap_or(&heights));
-    // A map of grooves has waves across its rows alone.
-    let of_columns = if is_map { profiles(&heights.turned()).ok() } else { None };
+    let of_columns = if is_map { profiles(&whole_across.unwrap_or_else(|| heights.turned())).ok() } else { None };
     let (mut profiles, others, is_turned) = match (of_rows, of_columns) {
-        (Err(SurfaceError::Flat), Some(columns)) => (columns, None, true),
+        // A map of grooves has waves across its rows alone, and a strip may have short rows.
+        (Err(SurfaceError::Flat | SurfaceError::TooFew { .. }), Some(columns)) => (columns, None, true),
         (rows, columns) => (rows?, columns, false),
     };
-    notes.extend(profiles.doubt());
+    notes.extend(profiles.doubt(options.height_scale));
     if profiles.rows.len() > 1 && !is_map {
-        notes.push(Note::Rows { rows: profiles.rows.len() });
+        notes.push(Note::Rows { rows: profiles.rows.len(), is_turned: is_tall });
     }
     let (mut measured_m, mut note) = shortest_m(&profiles);
     if let Some((across_m, across)) = others.as_ref().map(shortest_m).filter(|(across_m, _)| *across_m < measured_m) {
@@ -87,7 +113,7 @@ pub fn fit(
         }
         Source::Section(range_m) => {
             let (heights, step_m) = section(&profiles, range_m, measured_m, step_m(measured_m))?;
-            table_of(&heights, step_m, measured_m, &mut notes)?
+            table_of(&heights, step_m, measured_m, notes)?
         }
         Source::Statistics => {
             let shortest_m = options.extend_to_m.unwrap_or(measured_m);
@@ -104,14 +130,14 @@ pub fn fit(
             told(0.5);
             let step_m = step_m(wanted.shortest_m);
             let heights = synthesised(&wanted, options.points, step_m, options.seed);
-            table_of(&heights, step_m, wanted.shortest_m, &mut notes)?
+            table_of(&heights, step_m, wanted.shortest_m, notes)?
         }
     };
     told(0.9);
     let kept_m = if options.extend_to_m.is_some() { FITTED[0] * measured_m } else { measured_m };
     let report = report(&table, (&surface, kept_m), is_turned)?;
     told(1.0);
-    Ok((table, report, notes))
+    Ok((table, report))
 }
 
 /// Table of a profile. If rounding its heights to 16 bits leaves more than [`MOST_BELOW_PERCENT`]
@@ -130,11 +156,12 @@ fn table_of(heights: &[f64], step_m: f64, shortest_m: f64, notes: &mut Vec<Note>
 
 fn check(heights: &Heights, options: &Options) -> Result<(), SurfaceError> {
     let range = |option, value, range| Err(SurfaceError::Range { option, value, range });
-    let is_scale = options.height_scale.is_finite() && options.height_scale > 0.0;
-    if !is_scale {
-        return range("--height-scale", options.height_scale, "give a number above 0");
+    if !(1e-12..=1e12).contains(&options.height_scale) {
+        return range("--height-scale", options.height_scale, "give 1e-12 to 1e12, such as 1e-6 for heights in µm");
     }
-    if heights.columns < LEAST_POINTS || heights.rows() == 0 {
+    // A map may be saved either way round. Columns of a list of points are no profiles, though.
+    let is_long = heights.columns >= LEAST_POINTS || heights.columns >= LEAST_COLUMNS && heights.rows() >= LEAST_POINTS;
+    if !is_long || heights.rows() == 0 {
         return Err(SurfaceError::TooFew { points: heights.columns, least: LEAST_POINTS });
     }
     let [least, most] = POINTS;

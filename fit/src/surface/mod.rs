@@ -19,6 +19,7 @@ mod file;
 mod filled;
 mod fit;
 mod heights;
+mod holes;
 mod map;
 mod npy_file;
 mod options;

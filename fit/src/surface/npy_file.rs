@@ -75,14 +75,17 @@ fn shape(head: &str) -> Option<Vec<usize>> {
 fn values(kind: &str, bytes: &[u8]) -> Option<Vec<f64>> {
     let is_big = kind.starts_with('>');
     match kind.trim_start_matches(['<', '>', '|', '=']) {
+        "f2" => Some(numbers(bytes, is_big, |bytes| f64::from(half::f16::from_le_bytes(bytes)))),
         "f4" => Some(numbers(bytes, is_big, |bytes| f64::from(f32::from_le_bytes(bytes)))),
         "f8" => Some(numbers(bytes, is_big, f64::from_le_bytes)),
         "i1" => Some(numbers(bytes, is_big, |bytes| f64::from(i8::from_le_bytes(bytes)))),
         "i2" => Some(numbers(bytes, is_big, |bytes| f64::from(i16::from_le_bytes(bytes)))),
         "i4" => Some(numbers(bytes, is_big, |bytes| f64::from(i32::from_le_bytes(bytes)))),
+        "i8" => Some(numbers(bytes, is_big, |bytes| i64::from_le_bytes(bytes) as f64)),
         "u1" => Some(numbers(bytes, is_big, |bytes: [u8; 1]| f64::from(bytes[0]))),
         "u2" => Some(numbers(bytes, is_big, |bytes| f64::from(u16::from_le_bytes(bytes)))),
         "u4" => Some(numbers(bytes, is_big, |bytes| f64::from(u32::from_le_bytes(bytes)))),
+        "u8" => Some(numbers(bytes, is_big, |bytes| u64::from_le_bytes(bytes) as f64)),
         _ => None,
     }
 }
@@ -120,6 +123,18 @@ mod tests {
         let head = "{'descr': '>f4', 'fortran_order': True, 'shape': (2, 3), }";
         let columns: Vec<u8> = [1f32, -4.0, 2.0, 5.0, 3.0, 6.0].iter().flat_map(|x| x.to_be_bytes()).collect();
         assert_eq!(read(&file(head, &columns)).expect("it is whole"), expected);
+    }
+
+    #[test]
+    fn halves_and_64_bit_integers_are_read() {
+        let head = |kind: &str| format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (2,), }}");
+        let read = |kind: &str, numbers: &[u8]| read(&file(&head(kind), numbers)).expect("it is whole").0;
+        // 1.5 and -2 of 16 bits.
+        assert_eq!(read("<f2", &[0x00, 0x3e, 0x00, 0xc0]), [1.5, -2.0]);
+        assert_eq!(read(">f2", &[0x3e, 0x00, 0xc0, 0x00]), [1.5, -2.0]);
+        let of_64 = |numbers: [i64; 2]| numbers.map(i64::to_le_bytes).concat();
+        assert_eq!(read("<i8", &of_64([-3, 1 << 40])), [-3.0, (1u64 << 40) as f64]);
+        assert_eq!(read("<u8", &of_64([-1, 7])), [u64::MAX as f64, 7.0]);
     }
 
     #[test]

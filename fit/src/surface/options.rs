@@ -57,12 +57,21 @@ pub enum Note {
         /// Step in metres.
         step_m: f64,
     },
-    /// Heights look wrong by a factor of 1000.
+    /// Heights look as if they were in another unit than metres.
     Scale {
         /// Rms of the heights in metres, without waves longer than 2.8 mm.
         rms_m: f64,
-        /// Factor that `--height-scale` would mend it with.
+        /// Power of 1000 by which they look too large, or too small if it is below 1.
+        wrong_by: f64,
+        /// `--height-scale` that would mend it, in place of the one that was given.
         factor: f64,
+    },
+    /// The first line of a CSV file has names that are not known.
+    Head {
+        /// The line.
+        head: String,
+        /// Meaning that its columns have all the same.
+        read_as: &'static str,
     },
     /// Nothing was measured below the shortest wavelength.
     Upsampled {
@@ -89,7 +98,16 @@ pub enum Note {
     Rows {
         /// Number of profiles.
         rows: usize,
+        /// True if they are the map's columns, since its rows are too short.
+        is_turned: bool,
     },
+}
+
+impl Note {
+    /// True for [`Note::Scale`].
+    pub(super) fn is_scale(&self) -> bool {
+        matches!(self, Self::Scale { .. })
+    }
 }
 
 impl fmt::Display for Note {
@@ -99,10 +117,13 @@ impl fmt::Display for Note {
                 write!(f, "{percent:.1} % of the points were missing, and are filled from their neighbours")
             }
             Self::Resampled { step_m } => write!(f, "positions are uneven: resampled to steps of {step_m:.3e} m"),
-            Self::Scale { rms_m, factor } => write!(
+            Self::Scale { rms_m, wrong_by, factor } => write!(
                 f,
-                "heights of {rms_m:.1e} m rms look wrong by a factor of 1000: if so, give --height-scale {factor}"
+                "heights of {rms_m:.1e} m rms look wrong by a factor of {wrong_by:e}: if so, give --height-scale {factor:e}"
             ),
+            Self::Head { head, read_as } => {
+                write!(f, "the head {head:?} is not known: {read_as}, in metres")
+            }
             Self::Upsampled { shortest_m, step_m } => write!(
                 f,
                 "nothing was measured below waves of {:.1} µm though points are {:.2} µm apart: what lies below is left out",
@@ -120,7 +141,10 @@ impl fmt::Display for Note {
                 "waves longer than {:.2} mm are left out: beside them 16-bit heights would be too coarse for the short ones",
                 1e3 * longest_m
             ),
-            Self::Rows { rows } => write!(f, "the map's {rows} rows are read as profiles; --map keeps the map itself"),
+            Self::Rows { rows, is_turned } => {
+                let (lines, why) = if *is_turned { ("columns", ", since its rows are short") } else { ("rows", "") };
+                write!(f, "the map's {rows} {lines} are read as profiles{why}; --map keeps the map itself")
+            }
         }
     }
 }

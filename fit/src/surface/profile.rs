@@ -70,8 +70,9 @@ impl Profiles {
         self.points() as f64 * self.step_m
     }
 
-    /// Note if the heights look wrong by a factor of 1000.
-    pub(super) fn doubt(&self) -> Option<Note> {
+    /// Note if the heights look wrong by powers of 1000, as those of another unit are; they were
+    /// multiplied by `height_scale`.
+    pub(super) fn doubt(&self, height_scale: f64) -> Option<Note> {
         let piece = ((ROUGHNESS_M / self.step_m) as usize).clamp(8, self.points());
         let pieces = self.rows.iter().flat_map(|row| row.chunks_exact(piece));
         let (mut sum, mut count) = (0.0, 0.0);
@@ -83,7 +84,10 @@ impl Profiles {
         }
         let rms_m = (sum / count).sqrt();
         let [least, most] = LIKELY_RMS_M;
-        let factor = if rms_m < least { 1000.0 } else { 0.001 };
-        (rms_m < least || rms_m > most).then_some(Note::Scale { rms_m, factor })
+        // The power that leads nearest to the middle: heights that obey the advice are not doubted.
+        let powers = ((rms_m / (least * most).sqrt()).log10() / 3.0).round().clamp(-20.0, 20.0);
+        let wrong_by = 10f64.powi(3 * powers as i32);
+        let is_doubted = rms_m < least || rms_m > most;
+        is_doubted.then_some(Note::Scale { rms_m, wrong_by, factor: height_scale / wrong_by })
     }
 }

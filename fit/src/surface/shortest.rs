@@ -12,7 +12,8 @@ const LONGEST: usize = 6;
 const FALLEN_DB: f64 = 60.0;
 /// Fall in dB within half an octave that no surface has: the edge of an interpolation.
 const CLIFF_DB: f64 = 40.0;
-/// Number of levels within half an octave.
+/// Number of levels of an octave, and of half an octave.
+const OCTAVE: usize = 12;
 const HALF_OCTAVE: usize = 6;
 /// Shortest wavelength in steps of a profile without such an edge.
 const STEPS: f64 = 2.5;
@@ -21,8 +22,8 @@ const STEPS: f64 = 2.5;
 ///
 /// An interpolation to finer steps leaves an edge in the spectrum, and images of the spectrum below
 /// it. The edge lies where the density of heights is 60 dB below that at 1 mm, or at the longest
-/// waves of a surface of a few millimetres. Without an edge it
-/// is 2.5 steps.
+/// waves of a surface of a few millimetres. An edge at waves of 0.7 mm and longer lies where it is
+/// 60 dB below the octave of waves before the edge. Without an edge it is 2.5 steps.
 ///
 /// On the ten interpolated profiles of ThreeDWorld it is within 5 % of those in the data's manifest
 /// (`cargo test -p fit --test sounds surfaces -- --nocapture`).
@@ -35,8 +36,14 @@ pub(super) fn shortest_m(profiles: &Profiles) -> (f64, Option<Note>) {
     }
 }
 
+/// Wavelength in metres of an interpolation's edge; `None` if the spectrum has none.
 fn edge_m(levels: &[Level]) -> Option<f64> {
-    let length_m = |level: &Level| 1.0 / level.frequency_per_m;
+    // Behind an edge that lies near 1 mm or at longer waves nothing is left to measure it from.
+    let long = (LONGEST..levels.len()).take_while(|&first| length_m(&levels[first]) >= REFERENCE_M[0]);
+    let of_long = |first: usize| edge_at(levels, first, typical_db(&levels[first.saturating_sub(OCTAVE)..first]));
+    if let Some(edge_m) = long.filter_map(of_long).next() {
+        return Some(edge_m);
+    }
     let near: Vec<f64> = levels
         .iter()
         .filter(|level| (REFERENCE_M[0]..REFERENCE_M[1]).contains(&length_m(level)))
@@ -44,9 +51,19 @@ fn edge_m(levels: &[Level]) -> Option<f64> {
         .collect();
     // A short surface has no such waves: its longest ones stand for them.
     let near = if near.is_empty() { levels.iter().take(LONGEST).map(|level| level.db).collect() } else { near };
-    let least_db = near.iter().sum::<f64>() / near.len() as f64 - FALLEN_DB;
-    let first = levels.iter().position(|level| length_m(level) < REFERENCE_M[0] && level.db < least_db)?;
+    let near_db = near.iter().sum::<f64>() / near.len() as f64;
+    let is_below = |level: &Level| length_m(level) < REFERENCE_M[0] && level.db < near_db - FALLEN_DB;
+    edge_at(levels, levels.iter().position(is_below)?, near_db)
+}
+
+/// Wavelength in metres of the edge before the level `first`, the first one that lies 60 dB below
+/// `from_db`; `None` if it does not lie there, or the spectrum falls slowly.
+fn edge_at(levels: &[Level], first: usize, from_db: f64) -> Option<f64> {
+    let least_db = from_db - FALLEN_DB;
     let before = levels.get(first.checked_sub(1)?)?;
+    if levels[first].db >= least_db || before.db < least_db {
+        return None;
+    }
     let window = &levels[first.saturating_sub(HALF_OCTAVE)..(first + HALF_OCTAVE + 1).min(levels.len())];
     let falls = window.windows(HALF_OCTAVE + 1).map(|part| part[0].db - part[HALF_OCTAVE].db);
     if falls.fold(0.0, f64::max) < CLIFF_DB {
@@ -56,4 +73,15 @@ fn edge_m(levels: &[Level]) -> Option<f64> {
     let share = (before.db - least_db) / (before.db - levels[first].db);
     let octaves = (levels[first].frequency_per_m / before.frequency_per_m).log2();
     Some(length_m(before) * 2f64.powf(-share * octaves))
+}
+
+fn length_m(level: &Level) -> f64 {
+    1.0 / level.frequency_per_m
+}
+
+/// Median of levels in dB, which the lines of a surface with grooves do not move.
+fn typical_db(levels: &[Level]) -> f64 {
+    let mut sorted: Vec<f64> = levels.iter().map(|level| level.db).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }

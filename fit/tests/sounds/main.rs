@@ -10,4 +10,6 @@ mod hammer;
 mod modes;
 mod room;
 mod room_prior;
+mod surface_files;
+mod surface_waves;
 mod surfaces;

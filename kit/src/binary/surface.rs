@@ -31,7 +31,7 @@ impl Build<'_> {
         if surface.rows > 1 && side_m < LEAST_WAVES * shortest_m {
             return Err(self.fault(place, Fault::Narrow { side_m, shortest_m }));
         }
-        let limits_m = |curvature_rms_per_m| self.limits_m(index, surface, curvature_rms_per_m);
+        let limits_m = |curvature_rms_per_m| self.limits_m(surface, curvature_rms_per_m);
         let tables = if surface.rows > 1 { map::tables(surface, limits_m) } else { Tables::new(surface, limits_m) };
         let Some(tables) = tables? else { return Err(self.fault(place, Fault::Flat)) };
         let size = |length: usize| U32::new(length as u32);
@@ -71,10 +71,9 @@ impl Build<'_> {
     }
 
     /// Least and largest limit α in metres of all strikers that scrape an object with the surface.
-    fn limits_m(&self, index: usize, surface: &Surface, curvature_rms_per_m: f64) -> Result<[f64; 2], KitError> {
+    fn limits_m(&self, surface: &Surface, curvature_rms_per_m: f64) -> Result<[f64; 2], KitError> {
         let usual = [1.0 / curvature_rms_per_m, 5.0 / curvature_rms_per_m];
         let mut all: Option<[f64; 2]> = None;
-        let place = Place::Surface(index);
         for pad in &self.kit.pads {
             let object = self.kit.objects.iter().find(|object| object.name == pad.object);
             let is_here =
@@ -82,15 +81,13 @@ impl Build<'_> {
             if !is_here {
                 continue;
             }
-            let strikers = self.kit.strikers.iter().filter(|striker| pad.strikers.contains(&striker.name));
-            for scrape in strikers.filter_map(|striker| striker.scrape.as_ref()) {
-                let given = |alpha_m: Option<f32>, usual: f64| {
-                    alpha_m.filter(|&alpha_m| alpha_m > 0.0).map_or(usual, f64::from)
-                };
-                let [least_m, most_m] = [given(scrape.alpha_min_m, usual[0]), given(scrape.alpha_max_m, usual[1])];
+            let strikers =
+                self.kit.strikers.iter().enumerate().filter(|(_, striker)| pad.strikers.contains(&striker.name));
+            for (index, scrape) in strikers.filter_map(|(index, striker)| Some((index, striker.scrape.as_ref()?))) {
+                let own = [scrape.alpha_min_m, scrape.alpha_max_m].map(|own| own.filter(|&alpha_m| alpha_m > 0.0));
+                let [least_m, most_m] = [0, 1].map(|end| own[end].map_or(usual[end], f64::from));
                 if least_m > most_m {
-                    let fault = Fault::Limits { least_m, most_m, surface: surface.name.clone() };
-                    return Err(self.fault(place, fault));
+                    return Err(self.fault(Place::StrikerScrape(index), upside_down(own, usual, &surface.name)));
                 }
                 let [least, most] = all.unwrap_or([least_m, most_m]);
                 all = Some([least.min(least_m), most.max(most_m)]);
@@ -140,6 +137,26 @@ impl Surface {
     /// places, in a map at one.
     pub fn largest_curvature_per_m(&self) -> f64 {
         if self.rows > 1 { map::largest_curvature_per_m(self) } else { slopes::largest_curvature_per_m(self) }
+    }
+}
+
+/// Fault of a scraper's own limits in metres, where the first of both limits lies above the second.
+fn upside_down(own: [Option<f32>; 2], usual_m: [f64; 2], surface: &str) -> Fault {
+    let surface = surface.to_owned();
+    let [least, most] = ["alpha_min_m", "alpha_max_m"];
+    match own {
+        [Some(least_m), Some(most_m)] => Fault::Limits { least_m, most_m },
+        [Some(own_m), None] => {
+            Fault::LimitOnSurface { key: least, own_m, bound: "most", other: most, usual_m: usual_m[1], surface }
+        }
+        [None, own_m] => Fault::LimitOnSurface {
+            key: most,
+            own_m: own_m.unwrap_or(0.0),
+            bound: "least",
+            other: least,
+            usual_m: usual_m[0],
+            surface,
+        },
     }
 }
 

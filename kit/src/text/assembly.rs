@@ -6,6 +6,7 @@ use toml::Spanned;
 use super::document::{Document, Gains, ModeTable, ObjectTable, PadTable, RoomBandTable, StrikerTable};
 use super::filters::{BiquadsTable, DynamicFilterTable};
 use super::origin::{ItemOrigin, Origins};
+use super::pair::Pair;
 use super::residual::{BackgroundTable, ResidualTable};
 use super::source::{SourceText, UNTITLED};
 use super::surface::{SurfaceOfTable, usual_size_m};
@@ -95,7 +96,7 @@ impl Assembly {
             dynamic_filter: None,
             biquads: None,
             surface: table.surface.map(|surface| {
-                let size_m = table.size_m.unwrap_or_else(usual_size_m);
+                let Pair(size_m) = table.size_m.unwrap_or_else(usual_size_m);
                 ObjectSurface { surface, size_m, level_db: table.surface_level_db.unwrap_or(0.0) }
             }),
         });
@@ -127,7 +128,7 @@ impl Assembly {
 
     /// Gives an object its surface.
     fn surface_of(&mut self, table: SurfaceOfTable) -> Result<(), KitError> {
-        let SurfaceOfTable { object: name, surface, size_m, surface_level_db: level_db } = table;
+        let SurfaceOfTable { object: name, surface, size_m: Pair(size_m), surface_level_db: level_db } = table;
         if let Some(object) = self.kit.objects.iter_mut().find(|object| object.name == name) {
             object.surface = Some(ObjectSurface { surface, size_m, level_db });
             return Ok(());

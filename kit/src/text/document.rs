@@ -6,6 +6,7 @@ use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::filters::{BiquadsTable, DynamicFilterTable};
+use super::pair::Pair;
 use super::residual::{BackgroundTable, ResidualTable};
 use super::surface::{RollTable, ScrapeTable, SurfaceOfTable, SurfaceTable};
 use super::trigger::TriggerTable;
@@ -64,7 +65,7 @@ pub(super) struct ObjectTable {
     pub(super) dynamic_filter: Option<Spanned<DynamicFilterTable>>,
     pub(super) biquads: Option<Spanned<BiquadsTable>>,
     pub(super) surface: Option<String>,
-    pub(super) size_m: Option<[f32; 2]>,
+    pub(super) size_m: Option<Pair>,
     pub(super) surface_level_db: Option<f32>,
 }
 

@@ -6,6 +6,7 @@ use serde::de;
 use toml::Spanned;
 
 use super::number::shortest_decimal;
+use super::pair::Pair;
 use crate::filters::{Biquad, Biquads, Breakpoint, DynamicFilter, Exciter, Loop, ModesGo, Order};
 
 /// Table `[object.dynamic_filter]`, key by key.
@@ -67,10 +68,14 @@ pub(super) struct BiquadsTable {
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BiquadTable {
-    pole: [f32; 2],
-    #[serde(default)]
-    zero: [f32; 2],
+    pole: Pair,
+    #[serde(default = "no_zero")]
+    zero: Pair,
     gain: f32,
+}
+
+fn no_zero() -> Pair {
+    Pair([0.0; 2])
 }
 
 fn full_level() -> f32 {
@@ -151,7 +156,7 @@ impl BiquadsTable {
         let origins = chains.iter().map(|chain| (chain.span().start, offsets(chain.get_ref())));
         let origin = BiquadsOrigin { offset, chains: origins.collect() };
         let biquad = |table: Spanned<BiquadTable>| {
-            let BiquadTable { pole, zero, gain } = table.into_inner();
+            let BiquadTable { pole: Pair(pole), zero: Pair(zero), gain } = table.into_inner();
             Biquad { pole, zero, gain }
         };
         let chains = chains.into_iter().map(|chain| chain.into_inner().into_iter().map(biquad).collect());

@@ -17,6 +17,9 @@ pub(super) fn plain(message: &str) -> String {
     if let Some((found, expected)) = split(message, "invalid length ", ", expected ") {
         return format!("an array of length {found}: must be {expected}");
     }
+    if message.contains("number overflowed") {
+        return "this number is too large for any key; give one that its key allows (docs/kit-format.md)".to_owned();
+    }
     if message.contains("duplicate key") {
         return "this key is there twice; keep one of the two".to_owned();
     }

@@ -9,6 +9,7 @@ mod filters;
 mod message;
 mod number;
 mod origin;
+mod pair;
 mod residual;
 mod source;
 mod surface;

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use toml::Spanned;
 
 use super::number::shortest_decimal;
+use super::pair::Pair;
 use crate::surface::{Roll, Scrape, Surface};
 
 /// Table `[[surface]]`.
@@ -38,14 +39,14 @@ pub(super) struct SurfaceOfTable {
     pub(super) object: String,
     pub(super) surface: String,
     #[serde(default = "usual_size_m")]
-    pub(super) size_m: [f32; 2],
+    pub(super) size_m: Pair,
     #[serde(default)]
     pub(super) surface_level_db: f32,
 }
 
 /// Size in metres of an object with a surface that does not give its own.
-pub(super) fn usual_size_m() -> [f32; 2] {
-    [0.2, 0.2]
+pub(super) fn usual_size_m() -> Pair {
+    Pair([0.2, 0.2])
 }
 
 /// Table `[striker.scrape]`.

@@ -135,11 +135,39 @@ fn wrong_scrapes_and_rolls_are_refused_by_name() {
     let message = refusal("mass_kg = 0.01", "mass_kg = 0");
     assert!(message.contains("mass_kg"), "{message}");
     let message = refusal("mass_kg = 0.01", "mass_kg = 0.01\nalpha_min_m = 2e-6\nalpha_max_m = 1e-6");
-    assert!(message.contains("alpha_min_m") || message.contains("tile"), "{message}");
+    assert!(message.contains("alpha_min_m = 2e-6: must be at most alpha_max_m = 1e-6"), "{message}");
     let message = refusal("radius_m = 0.01", "radius_m = 0");
     assert!(message.contains("radius_m"), "{message}");
     let message = refusal("[striker.scrape]\nmass_kg = 0.01\ntilt_rad = 0.7\nfriction = 0.3\n", "");
     assert!(message.contains("scrape"), "{message}");
+}
+
+#[test]
+fn limit_that_is_upside_down_is_blamed_on_its_scraper_and_key() {
+    let with = |line: &str| refusal("mass_kg = 0.01", &format!("mass_kg = 0.01\n{line}"));
+    for (line, key) in [
+        ("alpha_min_m = 2e-6\nalpha_max_m = 1e-6", "alpha_min_m = 2e-6"),
+        ("alpha_min_m = 0.5", "alpha_min_m = 5e-1"),
+        ("alpha_max_m = 1e-9", "alpha_max_m = 1e-9"),
+    ] {
+        let message = with(line);
+        assert!(message.contains(&format!("striker 0 \"stick\", scrape: {key}: must be")), "{message}");
+        assert_eq!(message.contains("on surface \"tile\""), !line.contains('\n'), "{message}");
+    }
+}
+
+#[test]
+fn array_of_a_size_or_of_a_pole_with_a_third_number_is_refused() {
+    for sizes in ["[0.3, 0.1, 0.2]", "[0.3]"] {
+        let message = refusal("size_m = [0.3, 0.1]", &format!("size_m = {sizes}"));
+        assert!(message.starts_with("test.toml:14:10: an array of length"), "{message}");
+        assert!(message.ends_with("must be an array of two numbers"), "{message}");
+    }
+    for biquad in ["pole = [0.9, 0.1, 0.2]", "pole = [0.9, 0.1], zero = [0.5, 0, 0]"] {
+        let bank = format!("modes = []\nbiquads = {{ chains = [[ {{ {biquad}, gain = 1 }} ]] }}");
+        let message = refusal("modes = []", &bank);
+        assert!(message.contains(":16:") && message.contains("an array of length 3: must be"), "{message}");
+    }
 }
 
 #[test]

@@ -73,6 +73,12 @@ fn value_of_a_wrong_type_is_refused_with_its_line() {
 }
 
 #[test]
+fn number_beyond_all_floats_is_refused_as_too_large() {
+    let message = refusal("330.0, decay_per_s = 3.2, gain_sine = 512.0", "330.0, decay_per_s = 3.2, gain_sine = 1e309");
+    assert!(message.starts_with("test.toml:8:60: this number is too large for any key"), "{message}");
+}
+
+#[test]
 fn text_that_is_not_toml_is_refused_with_its_line() {
     let message = refusal("[[pad]]", "[[pad]");
     assert!(message.starts_with("test.toml:16:") && message.contains("this is not TOML; check"), "{message}");

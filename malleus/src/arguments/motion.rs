@@ -56,7 +56,7 @@ pub(crate) struct ScribbleArguments {
     /// Length of the path in metres, from 0.001 to 100
     #[arg(long, value_name = "M", default_value = "0.8")]
     pub(crate) length: f64,
-    /// Mean speed in m/s between start and end, from 0.001 to 10
+    /// Mean speed in m/s between start and end, from 0.001 to 10; at most 10 anywhere on the path
     #[arg(long, value_name = "M/S", default_value = "0.4")]
     pub(crate) speed: f64,
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(crate) struct RollArguments {
     /// Length of the incline in metres, from 0.001 to 100
     #[arg(long, value_name = "M", default_value = "0.5")]
     pub(crate) length: f64,
-    /// Speed at the beginning in m/s: 0, or from 0.001 to 10
+    /// Speed at the beginning in m/s: 0, or from 0.001 to 10; at most 10 anywhere on the path
     #[arg(long, value_name = "M/S", default_value = "0.1")]
     pub(crate) speed: f64,
     /// Angle in degrees from -80 to 80: positive uphill, where a ball that stops before the end

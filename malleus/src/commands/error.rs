@@ -101,8 +101,6 @@ pub(crate) enum CommandError {
     NotesEnd { first_note: u8, pads: usize },
     #[error("{file}: cannot be read: {error}")]
     Unreadable { file: String, error: io::Error },
-    #[error("the log cannot be written: {error}")]
-    Log { error: ::kit::file::FileError },
     #[error("{}: one table cannot hold {inputs} recordings; give -o a folder", output.display())]
     OneTable { output: PathBuf, inputs: usize },
     #[error(

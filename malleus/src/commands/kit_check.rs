@@ -8,12 +8,12 @@ use dsp_core::table::Kit;
 use dsp_core::voice::Form;
 use kit::Loaded;
 use kit::counting::counted;
-use malleus::render::headroom::{self, Loudness};
-use malleus::render::{board, force, instrument};
+use malleus::render::{board, headroom, instrument};
 use serde::Serialize;
 use virtual_board::Board;
 
 use super::error::CommandError;
+use super::kit_check_strikes::{StrikeFinding, dbfs};
 use super::kit_report::{KitReport, counts, open};
 use super::left_out::left_out;
 use super::output::{print, print_json, progress};
@@ -28,22 +28,6 @@ struct Findings {
     boards: Vec<BoardFinding>,
     /// Reason for which nothing is rendered, if the instrument cannot render the kit.
     not_rendered: Option<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct StrikeFinding {
-    pad: String,
-    striker: String,
-    /// Peak force in reference forces; the force bus ends at 16.
-    force: f64,
-    position: f32,
-    peak_dbfs: Option<f64>,
-    /// Reference force with which the force bus does not clip; `None` if it does not clip now.
-    fitting_reference_force: Option<f32>,
-    /// Level with which the pad's loudest striker peaks at -6 dBFS; `None` if it does not clip now.
-    fitting_level_db: Option<f32>,
-    #[serde(skip)]
-    needs_rescaling: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -128,7 +112,8 @@ fn findings(name: &str, loaded: &Loaded, rate: SampleRate, board: Option<Board>)
     let rendered = headroom::of_strikes(&loaded.kit, rate, || bar.inc(1));
     match rendered.and_then(|strikes| Ok((strikes, headroom::of_chord(&loaded.kit, rate)?))) {
         Ok((strikes, chord)) => {
-            findings.strikes = strikes.iter().filter_map(|strike| of_strike(&loaded.kit, strike, &strikes)).collect();
+            findings.strikes =
+                strikes.iter().filter_map(|strike| StrikeFinding::of(&loaded.kit, strike, &strikes)).collect();
             findings.chord_peak_dbfs = dbfs(chord);
         }
         Err(error) => findings.not_rendered = Some(error.to_string()),
@@ -139,24 +124,6 @@ fn findings(name: &str, loaded: &Loaded, rate: SampleRate, board: Option<Board>)
     }
     bar.finish_and_clear();
     Ok(findings)
-}
-
-/// Finding of one striker on one pad.
-fn of_strike(kit: &kit::Kit, strike: &Loudness, all: &[Loudness]) -> Option<StrikeFinding> {
-    let pad = kit.pads.get(strike.pad)?;
-    let (striker, object) = force::bound(kit, pad, strike.striker)?;
-    let loudest = all.iter().filter(|other| other.pad == strike.pad).map(|other| other.peak).fold(0.0, f64::max);
-    let reference_force = || headroom::fitting_reference_force(kit, &object.name, 0.0);
-    Some(StrikeFinding {
-        pad: pad.name.clone(),
-        striker: striker.name.clone(),
-        force: strike.force,
-        position: strike.position,
-        peak_dbfs: dbfs(strike.peak),
-        fitting_reference_force: strike.overloads_force().then(reference_force).flatten(),
-        fitting_level_db: strike.clips().then(|| headroom::fitting_level_db(pad.level_db, loudest)),
-        needs_rescaling: object.residual.is_some() || object.dynamic_filter.is_some(),
-    })
 }
 
 /// Finding of the stages that a board leaves out of a kit, and of the modes that it leaves out of
@@ -187,31 +154,12 @@ fn of_board(name: &str, on: Board, kit: &kit::Kit, table: &Kit<'_>) -> BoardFind
     }
 }
 
-fn dbfs(peak: f64) -> Option<f64> {
-    (peak > 0.0).then(|| 20.0 * peak.log10())
-}
-
 impl Findings {
     /// The findings as lines, with the boards' plans if these are asked for.
     fn as_text(&self, name: &str, with_plan: bool) -> String {
         let mut lines: Vec<String> = Vec::new();
         for strike in &self.strikes {
-            let StrikeFinding { pad, striker, force, .. } = strike;
-            if let Some(newtons) = strike.fitting_reference_force {
-                let rest = match strike.needs_rescaling {
-                    true => ", with the object's residual and dynamic filter scaled to it (docs/kit-format.md)",
-                    false => "",
-                };
-                lines.push(format!(
-                    "{name}: pad {pad:?} with {striker:?} at velocity 1: the force is {force:.1} times reference_force and clips at 16; reference_force = {newtons} fits{rest}"
-                ));
-            }
-            if let (Some(level_db), Some(peak_dbfs)) = (strike.fitting_level_db, strike.peak_dbfs) {
-                lines.push(format!(
-                    "{name}: pad {pad:?} with {striker:?} at velocity 1 peaks at {peak_dbfs:+.1} dBFS and clips; level_db = {level_db:.1} fits and peaks at {:.0} dBFS",
-                    headroom::TARGET_DBFS
-                ));
-            }
+            lines.extend(strike.as_lines(name));
         }
         // The chord of a single pad is its strike, which has a line already.
         let has_chord =

@@ -6,7 +6,7 @@ use clap::CommandFactory;
 use clap::error::ErrorKind;
 use dsp_core::SampleRate;
 use kit::counting::counted;
-use malleus::render::headroom::{self, LARGEST_FORCE};
+use malleus::render::headroom::{self, LARGEST_FORCE, LARGEST_OWN, Loudness};
 
 use super::error::CommandError;
 use super::kit_report::open;
@@ -42,7 +42,13 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
     set_reference_forces(&mut kit);
     // Refuses what a board would refuse, before anything is rendered or written.
     kit::binary::build(&kit)?;
-    set_levels(output, &mut kit);
+    for (name, change_db) in set_levels(output, &mut kit) {
+        eprintln!(
+            "malleus: {}: gains of {name:?} are {:.1} dB lower than in its table: its sound would clip before level_db",
+            output.display(),
+            -change_db
+        );
+    }
     let binary = kit::binary::build(&kit)?;
     let text = (!has_extension(output, "bin")).then(|| kit::text::write(&kit));
     kit::file::write_whole(output, text.as_ref().map_or(&binary, |text| text.as_bytes()))?;
@@ -170,18 +176,48 @@ fn set_reference_forces(kit: &mut kit::Kit) {
 
 /// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1.
 ///
-/// Levels stay at 0 dB if the instrument cannot render the kit.
-fn set_levels(output: &Path, kit: &mut kit::Kit) {
+/// Gains of an object are lowered first if a pad's own sound comes near the end of its bus: no
+/// level mends what is clipped before it. Returns names of such objects with the change in dB. Levels
+/// stay at 0 dB if the instrument cannot render the kit.
+fn set_levels(output: &Path, kit: &mut kit::Kit) -> Vec<(String, f64)> {
     let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
     let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));
     bar.finish_and_clear();
     match strikes {
-        Ok(strikes) => {
+        Ok(mut strikes) => {
+            let lowered = lower_gains(kit, &mut strikes);
             for (index, pad) in kit.pads.iter_mut().enumerate() {
                 let peaks = strikes.iter().filter(|strike| strike.pad == index).map(|strike| strike.peak);
                 pad.level_db = headroom::fitting_level_db(pad.level_db, peaks.fold(0.0, f64::max));
             }
+            lowered
         }
-        Err(error) => eprintln!("malleus: {}: levels stay at 0 dB: {error}", output.display()),
+        Err(error) => {
+            eprintln!("malleus: {}: levels stay at 0 dB: {error}", output.display());
+            Vec::new()
+        }
     }
+}
+
+/// Lowers the gains of objects whose pads' own sound comes near the end of its bus, and with them
+/// the peaks of their strikes. Returns names of these objects with the change in dB.
+fn lower_gains(kit: &mut kit::Kit, strikes: &mut [Loudness]) -> Vec<(String, f64)> {
+    let mut all = Vec::new();
+    for index in 0..kit.objects.len() {
+        let Some(object) = kit.objects.get(index) else { continue };
+        let name = object.name.clone();
+        let Some(gain) = headroom::fitting_gain(kit, &name, strikes, LARGEST_OWN) else { continue };
+        let lowered = object.with_gain(gain);
+        if let Some(slot) = kit.objects.get_mut(index) {
+            *slot = lowered;
+        }
+        for (index, pad) in kit.pads.iter_mut().enumerate().filter(|(_, pad)| pad.object == name) {
+            pad.striker_weight = (f64::from(pad.striker_weight) * gain) as f32;
+            for strike in strikes.iter_mut().filter(|strike| strike.pad == index) {
+                (strike.peak, strike.own_peak) = (strike.peak * gain, strike.own_peak * gain);
+            }
+        }
+        all.push((name, 20.0 * gain.log10()));
+    }
+    all
 }

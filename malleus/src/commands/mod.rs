@@ -14,6 +14,7 @@ mod fit_names;
 mod fit_strikes;
 pub(crate) mod kit;
 mod kit_check;
+mod kit_check_strikes;
 mod kit_new;
 mod kit_report;
 mod left_out;

@@ -18,7 +18,7 @@ use virtual_board::Board;
 
 use super::error::CommandError;
 use super::left_out::left_out;
-use super::output::{peak_dbfs, print, print_json, progress, refuse_input};
+use super::output::{peak_dbfs, print, print_json, progress, refuse_input, refuse_same};
 use super::play_motion::{self, Played};
 use super::play_report::{PlayReport, Work};
 use crate::arguments::PlayArguments;
@@ -34,15 +34,11 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
     if loaded.kit.pads.is_empty() {
         return Err(CommandError::NoPads { kit: name.clone() });
     }
-    let (rate, performance, parts, ablated) = match &arguments.motion {
-        Some(motion) => {
-            let Played { rate, performance, parts, ablated } =
-                play_motion::read(arguments, motion, &loaded.kit, &table)?;
-            (rate, performance, parts, ablated)
-        }
+    let Played { rate, performance, parts, ablated, force_file } = match &arguments.motion {
+        Some(motion) => play_motion::read(arguments, motion, &loaded.kit, &table)?,
         None => {
             let (rate, performance, parts) = read_performance(arguments, &loaded.kit, &table)?;
-            (rate, performance, parts, None)
+            Played { rate, performance, parts, ablated: None, force_file: None }
         }
     };
     let (kit, binary) = ablated.as_ref().map_or((&loaded.kit, &loaded.binary), |(kit, binary)| (kit, binary));
@@ -55,6 +51,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         return Err(CommandError::TooLong { file, seconds, longest: LONGEST_S });
     }
     let mut work = Work::default();
+    let mut log_text = None;
     let budget_cycles = budget_cycles(arguments, &performance, rate);
     let (frames, level) = if !parts.is_empty() {
         play_parts(arguments, kit, &performance, &parts, rate)?
@@ -99,15 +96,17 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), CommandError> {
         };
         let mut frames = frames.map_err(|error| CommandError::Render { kit: name.clone(), error })?;
         bar.finish_and_clear();
-        if let Some(path) = &arguments.log {
-            kit::file::write_whole(path, events::csv::write(&played, &table, rate).as_bytes())
-                .map_err(|error| CommandError::Log { error })?;
-        }
+        log_text = Some(events::csv::write(&played, &table, rate));
         let level = Level { held_frames: held_frames(&table, &frames), ..Level::of_bus(&frames) };
         dsp_core::output::to_24_bit(&mut frames);
         (frames, level)
     };
-    wave::write_stereo(&arguments.output, rate.hz(), &frames)?;
+    // All files appear together: a force or a log without its sound would be that of another run.
+    let sound = wave::stereo_bytes(&arguments.output, rate.hz(), &frames)?;
+    let force_file = arguments.force.as_deref().zip(force_file.as_deref());
+    let log = arguments.log.as_deref().zip(log_text.as_deref().map(str::as_bytes));
+    let files: Vec<(&Path, &[u8])> = force_file.into_iter().chain(log).chain([(&*arguments.output, &*sound)]).collect();
+    kit::file::write_together(&files)?;
     if work.refused_scrapes > 0 {
         eprintln!(
             "malleus: {name}: {} left out: an engine has two contacts at once, and a board has time for few",
@@ -257,14 +256,12 @@ fn refuse_inputs(arguments: &PlayArguments) -> Result<(), CommandError> {
     let direct = arguments.direct.as_deref().map(|direct| split_channel(direct).0);
     let motion = arguments.motion.as_deref();
     let inputs = [Some(Path::new(&arguments.kit)), arguments.strikes.as_deref(), motion, direct.as_deref()];
-    for output in [Some(&arguments.output), arguments.log.as_ref(), arguments.force.as_ref()].into_iter().flatten() {
+    let outputs = [arguments.log.as_deref(), arguments.force.as_deref(), Some(arguments.output.as_path())];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    for output in &outputs {
         refuse_input(output, inputs.into_iter().flatten())?;
     }
-    let sound = &arguments.output;
-    if [&arguments.log, &arguments.force].into_iter().flatten().any(|other| other == sound) {
-        return Err(CommandError::SameOutput { output: sound.clone() });
-    }
-    Ok(())
+    refuse_same(&outputs)
 }
 
 /// Splits `FILE:2` into the path FILE and channel 2. Without a number behind the last colon the

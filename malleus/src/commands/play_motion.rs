@@ -13,7 +13,7 @@ use super::error::CommandError;
 use super::output::progress;
 use crate::arguments::{AblationName, PlayArguments};
 
-/// Motion as it is played.
+/// Performance as it is played, and the file that is written beside its sound.
 pub(super) struct Played {
     pub(super) rate: SampleRate,
     pub(super) performance: Performance,
@@ -21,9 +21,11 @@ pub(super) struct Played {
     pub(super) parts: Vec<Part>,
     /// Kit that is played, if a part of its model is left out, and its binary form.
     pub(super) ablated: Option<(kit::Kit, Vec<u8>)>,
+    /// Bytes of the file of the force, if one was asked for.
+    pub(super) force_file: Option<Vec<u8>>,
 }
 
-/// Reads a motion, and strikes with it. Writes the motion's force as a file where it is asked for.
+/// Reads a motion, and strikes with it. Makes the file of the motion's force where it is asked for.
 pub(super) fn read(
     arguments: &PlayArguments,
     path: &Path,
@@ -34,6 +36,9 @@ pub(super) fn read(
     let motion = motion::read(path, table, rate)?;
     for remark in motion.remarks() {
         eprintln!("malleus: {}: {remark}", path.display());
+    }
+    for beyond in scraped::beyond(&motion, table, rate) {
+        eprintln!("malleus: {}: {beyond}", path.display());
     }
     let strikes = match &arguments.strikes {
         None => Vec::new(),
@@ -55,7 +60,7 @@ pub(super) fn read(
     let failed = |error| CommandError::Scraped { kit: arguments.kit.clone(), error };
     let events = scraped::events(&motion, &table, rate, is_constant).map_err(failed)?;
     let mut performance = Performance::new(scraped::merged(&strikes, &events), None, &kit, rate, arguments.tail);
-    let mut parts = Vec::new();
+    let (mut parts, mut force_file) = (Vec::new(), None);
     if arguments.force.is_some() || arguments.reference {
         let bar = progress((motion.end_s() * rate.hz()) as u64, "scraping");
         let renderer = if arguments.reference { Renderer::Reference } else { Renderer::Instrument };
@@ -63,7 +68,7 @@ pub(super) fn read(
         let scraped = scraped::render(&motion, &table, rate, (renderer, is_constant), done).map_err(failed)?;
         bar.finish_and_clear();
         if let Some(path) = &arguments.force {
-            write_trace(path, rate, &scraped.trace)?;
+            force_file = Some(trace_bytes(path, rate, &scraped.trace)?);
         }
         if arguments.reference {
             performance.events = strikes;
@@ -71,7 +76,8 @@ pub(super) fn read(
             parts = if performance.direct.is_some() { Vec::new() } else { scraped::parts(&scraped, &kit) };
         }
     }
-    Ok(Played { rate, performance, parts, ablated: (!ablations.is_empty()).then_some((kit, binary)) })
+    let ablated = (!ablations.is_empty()).then_some((kit, binary));
+    Ok(Played { rate, performance, parts, ablated, force_file })
 }
 
 fn ablation(name: AblationName) -> Ablation {
@@ -82,9 +88,10 @@ fn ablation(name: AblationName) -> Ablation {
     }
 }
 
-/// Writes force, normal force, speed and distance as four channels of 32-bit float.
-fn write_trace(path: &Path, rate: SampleRate, trace: &Trace) -> Result<(), CommandError> {
+/// Force, normal force, speed and distance as a file of four channels of 32-bit float; `path` is
+/// named in the error.
+fn trace_bytes(path: &Path, rate: SampleRate, trace: &Trace) -> Result<Vec<u8>, CommandError> {
     let Trace { force_n, normal_n, speed_m_per_s, distance_m } = trace;
     let channels = [force_n, normal_n, speed_m_per_s, distance_m];
-    Ok(wave::write_channels(path, rate.hz(), &channels.map(Vec::as_slice))?)
+    Ok(wave::channels_bytes(path, rate.hz(), &channels.map(Vec::as_slice))?)
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use kit::counting::counted;
 use malleus::csv_text;
 
 /// Columns of the file, in any order.
@@ -12,8 +13,10 @@ const COLUMNS: [&str; 3] = ["recording", "object", "striker"];
 pub(crate) enum LabelsError {
     #[error("{}: line {line} cannot be read as CSV in UTF-8: give lines of recording,object,striker", path.display())]
     NotCsv { path: PathBuf, line: u64 },
-    #[error("{}: the column {column:?} is missing: the first line has to name recording,object,striker", path.display())]
-    Column { path: PathBuf, column: &'static str },
+    #[error("{}: the first line, {head:?}, does not name {missing}: it has to be the head recording,object,striker", path.display())]
+    Columns { path: PathBuf, head: String, missing: String },
+    #[error("{}: line {line} has {}, and the head names {}: give a recording, what is struck, and what strikes it", path.display(), counted(*found, "fields"), counted(*expected, "columns"))]
+    FieldCount { path: PathBuf, line: u64, found: u64, expected: u64 },
     #[error("{}: line {line}: the field {column:?} is empty: name the recording, what is struck, and what strikes it", path.display())]
     EmptyField { path: PathBuf, line: u64, column: &'static str },
     #[error("{}: line {line} names {recording:?}, which is none of the recordings given: give that file, or remove the line", path.display())]
@@ -48,16 +51,24 @@ pub(super) fn parse(bytes: &[u8], path: &Path, recordings: &[PathBuf]) -> Result
     let bytes = &csv_text::tidied(bytes)[..];
     let mut reader = csv_text::reader(bytes);
     let path = || path.to_owned();
-    let not_csv = |error: &::csv::Error| LabelsError::NotCsv {
-        path: path(),
-        line: error.position().map_or(1, |position| csv_text::line_at(position, bytes)),
+    let not_csv = |error: &::csv::Error| {
+        let line = error.position().map_or(1, |position| csv_text::line_at(position, bytes));
+        match *error.kind() {
+            ::csv::ErrorKind::UnequalLengths { expected_len: expected, len: found, .. } => {
+                LabelsError::FieldCount { path: path(), line, found, expected }
+            }
+            _ => LabelsError::NotCsv { path: path(), line },
+        }
     };
     let header = reader.headers().map_err(|error| not_csv(&error))?.clone();
-    let mut places = [0; 3];
-    for (place, column) in places.iter_mut().zip(COLUMNS) {
-        let found = header.iter().position(|name| name == column);
-        *place = found.ok_or_else(|| LabelsError::Column { path: path(), column })?;
-    }
+    let places = COLUMNS.map(|column| header.iter().position(|name| name == column));
+    let [Some(recording), Some(object), Some(striker)] = places else {
+        let missing = COLUMNS.iter().zip(places).filter(|(_, place)| place.is_none());
+        let missing = missing.map(|(column, _)| *column).collect::<Vec<_>>().join(", ");
+        let head = header.iter().collect::<Vec<_>>().join(",");
+        return Err(LabelsError::Columns { path: path(), head, missing });
+    };
+    let places = [recording, object, striker];
     let mut of_recording: Vec<Option<[String; 2]>> = vec![None; recordings.len()];
     for record in reader.records() {
         let record = record.map_err(|error| not_csv(&error))?;
@@ -145,12 +156,19 @@ mod tests {
     fn labels_that_are_wrong_are_refused_with_their_line() {
         let head = "recording,object,striker\n";
         for (text, expected) in [
-            ("recording,object\none,mug\n", "the column \"striker\" is missing"),
+            (
+                "recording,object\none,mug\n",
+                "the first line, \"recording,object\", does not name striker: it has to be",
+            ),
+            (
+                "one.wav,mug,fork\n",
+                "\"one.wav,mug,fork\", does not name recording, object, striker: it has to be the head",
+            ),
             (&format!("{head}three.wav,mug,fork\n"), "line 2 names \"three.wav\", which is none of the recordings"),
             (&format!("{head}two,mug,fork\n"), "line 2 names \"two\", which 2 of the recordings are called"),
             (&format!("{head}one,mug,fork\none.wav,mug,fork\n"), "line 3 names \"one.wav\" again"),
             (&format!("{head}one,,fork\n"), "line 2: the field \"object\" is empty"),
-            (&format!("{head}one,mug\n"), "line 2 cannot be read as CSV"),
+            (&format!("{head}one,mug\n"), "line 2 has 2 fields, and the head names 3 columns"),
             (&format!("{head}\n# two\n \none,,fork\n"), "line 5: the field \"object\" is empty"),
             (&format!("{head}one,mug,fork\na/two.wav,cup,fork\n"), "b/two.wav: it has no label"),
         ] {

@@ -24,6 +24,13 @@ pub const TARGET_DBFS: f64 = -6.0;
 /// Four strikes of this force at once do not clip.
 pub const LARGEST_FORCE: f64 = 4.0;
 
+/// Peak of a pad's own sound, before its level, at which the sound is clipped: ±16 is +24 dBFS.
+pub const OWN_END: f64 = 16.0;
+/// Largest peak of a pad's own sound at velocity 1 in a kit whose gains are chosen.
+///
+/// Four strikes of this peak at once do not clip.
+pub const LARGEST_OWN: f64 = 4.0;
+
 /// Rendered length of a strike without a dynamic filter, in seconds.
 const STRIKE_S: f64 = 1.0;
 /// Longest rendered length of a strike, in seconds; a dynamic filter's path may last longer.
@@ -61,12 +68,20 @@ pub struct Loudness {
     pub position: f32,
     /// Peak of the sound at that position, 1.0 = full scale.
     pub peak: f64,
+    /// Largest peak of the pad's own sound, before its level and pan and without a room, as it
+    /// would be without clipping, at any of the positions.
+    pub own_peak: f64,
 }
 
 impl Loudness {
     /// True if the force bus clips this strike.
     pub fn overloads_force(&self) -> bool {
         self.force > force::FORCE_BUS_END
+    }
+
+    /// True if the pad's own sound is clipped before its level.
+    pub fn overloads_pad(&self) -> bool {
+        self.own_peak > OWN_END
     }
 
     /// True if the step to 24 bits clips this strike.
@@ -99,15 +114,22 @@ pub fn of_strikes(
             let events = vec![strike(0, striker as u8, position)];
             let performance = Performance { events, direct: None, frames };
             let peak = unclipped_peak(&alone, &performance, rate)?;
+            let dry_peak = match alone.room.is_empty() {
+                true => peak,
+                false => unclipped_peak(&kit::Kit { room: Vec::new(), ..alone.clone() }, &performance, rate)?,
+            };
+            let own_peak = dry_peak / alone.pads.first().map_or(1.0, loudest_side);
             progress();
-            Ok(Loudness { pad, striker, force: force_of(kit, pad, striker), position, peak })
+            Ok(Loudness { pad, striker, force: force_of(kit, pad, striker), position, peak, own_peak })
         })
         .collect();
     let mut loudest: Vec<Loudness> = Vec::new();
     for one in peaks? {
         match loudest.last_mut().filter(|last| (last.pad, last.striker) == (one.pad, one.striker)) {
-            Some(last) if one.peak > last.peak => *last = one,
-            Some(_) => {}
+            Some(last) => {
+                let own_peak = last.own_peak.max(one.own_peak);
+                *last = Loudness { own_peak, ..if one.peak > last.peak { one } else { *last } };
+            }
             None => loudest.push(one),
         }
     }
@@ -136,6 +158,14 @@ pub fn fitting_reference_force(kit: &kit::Kit, object: &str, largest_force: f64)
     hardest
         .filter(|(striker, object)| force::peak(striker, object) > largest_force)
         .map(|(striker, _)| striker.peak_force)
+}
+
+/// Factor on an object's gains with which the own sound of each pad that plays it peaks at
+/// [`LARGEST_OWN`]; `None` if none peaks above `largest`, 1.0 = full scale.
+pub fn fitting_gain(kit: &kit::Kit, object: &str, strikes: &[Loudness], largest: f64) -> Option<f64> {
+    let plays = |strike: &&Loudness| kit.pads.get(strike.pad).is_some_and(|pad| pad.object == object);
+    let own_peak = strikes.iter().filter(plays).map(|strike| strike.own_peak).fold(0.0, f64::max);
+    (own_peak > largest).then(|| LARGEST_OWN / own_peak)
 }
 
 /// Level in dB, rounded down to tenths, with which a pad peaks at [`TARGET_DBFS`].

@@ -180,14 +180,15 @@ pub fn stereo_bytes(path: &Path, rate_hz: f64, frames: &[[i32; 2]]) -> Result<Ve
 /// # Errors
 /// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
 pub fn write_mono(path: &Path, rate_hz: f64, samples: &[f64]) -> Result<(), WaveError> {
-    write_channels(path, rate_hz, &[samples])
+    Ok(kit::file::write_whole(path, &channels_bytes(path, rate_hz, &[samples])?)?)
 }
 
-/// Writes channels of equal length as a WAV file of 32-bit float, whole or not at all.
+/// Makes the bytes of a WAV file of 32-bit float with channels of equal length; `path` is named in
+/// the error.
 ///
 /// # Errors
-/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB or cannot be written.
-pub fn write_channels(path: &Path, rate_hz: f64, channels: &[&[f64]]) -> Result<(), WaveError> {
+/// [`WaveError`] with the file's path, if the sound is longer than 4 GiB.
+pub fn channels_bytes(path: &Path, rate_hz: f64, channels: &[&[f64]]) -> Result<Vec<u8>, WaveError> {
     // Into memory, the encoder fails only where the file would be longer than its header can say.
     let frames = channels.first().map_or(0, |channel| channel.len());
     let too_long = |_| WaveError::TooLong { path: path.to_owned(), frames };
@@ -205,5 +206,5 @@ pub fn write_channels(path: &Path, rate_hz: f64, channels: &[&[f64]]) -> Result<
         }
     }
     writer.finalize().map_err(too_long)?;
-    Ok(kit::file::write_whole(path, bytes.get_ref())?)
+    Ok(bytes.into_inner())
 }

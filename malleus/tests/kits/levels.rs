@@ -145,6 +145,35 @@ fn kit_check_hears_peaks_behind_a_quiet_level_and_clipping_chords() {
     assert!((report["chord_peak_dbfs"].as_f64().unwrap() - chord).abs() < 0.1 && chord > 0.0);
     let text = stdout(folder.path(), "kit check kit.toml");
     assert!(text.contains("all pads at once at velocity 1 peak at +"), "{text}");
+    // Their own sounds clip, which no level mends: lower gains do, with a higher level.
+    let own = report["strikes"][0]["own_peak_dbfs"].as_f64().unwrap();
+    let gain_db = report["strikes"][0]["fitting_gain_db"].as_f64().unwrap();
+    let level_db = report["strikes"][0]["fitting_level_db"].as_f64().unwrap();
+    assert!((own - one - 30.0 - 3.01).abs() < 0.1 && (own + gain_db - 12.0).abs() < 0.11, "{report}");
+    assert!((level_db - (-30.0 - 6.0 - one - gain_db)).abs() < 0.2, "{level_db} dB with {gain_db} dB");
+    assert!(text.contains("before level_db and clips at +24 dBFS; gains of object \"bar\""), "{text}");
+}
+
+#[test]
+fn new_kit_of_an_object_that_is_far_too_loud_does_not_clip_before_its_level() {
+    // The own sound stands at +50 dBFS.
+    let loud = LOUD.replace("[512.0, 300.0]", "[20480.0, 12000.0]").replace("[180.0, -500.0]", "[7200.0, -20000.0]");
+    let folder = folder(&loud);
+    fs::write(folder.path().join("bar.toml"), loud.split("[[pad]]").next().unwrap()).unwrap();
+    let done = malleus(folder.path(), "kit new bar.toml -o new.toml");
+    let told = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success() && told.contains("gains of \"bar\" are") && told.contains("dB lower"), "{told}");
+    let report = json(folder.path(), "kit check new.toml --json");
+    for strike in report["strikes"].as_array().unwrap() {
+        assert!(strike["fitting_gain_db"].is_null() && strike["own_peak_dbfs"].as_f64().unwrap() < 12.1, "{strike}");
+    }
+    let kit = kit::load(&folder.path().join("new.toml")).unwrap().kit;
+    let peaks = [0.0, 1.0].map(|position| {
+        let sounds = both(&kit, &[strike(0, position, 0)]);
+        assert!(snr_db(&sounds) > 90.0, "{}", snr_db(&sounds));
+        peak_dbfs(&sounds[0])
+    });
+    assert!((peaks[0].max(peaks[1]) + 6.0).abs() < 0.5, "{peaks:?} dBFS");
 }
 
 #[test]
@@ -194,8 +223,8 @@ fn new_kit_strikes_objects_without_strikers_by_those_of_other_tables() {
     assert!(told.contains("no table has a striker") && !folder.path().join("none.toml").exists(), "{told}");
 }
 
-#[test]
-fn object_with_another_reference_force_sounds_as_before() {
+/// Kit of an object with all stages, whose modes go through its dynamic filter.
+fn filtered() -> kit::Kit {
     let filtered = LOUD.replace(
         "\n[[striker]]\nname = \"yarn",
         r#"
@@ -219,7 +248,12 @@ name = "yarn"#,
     let filtered = filtered.replace("modes = [", "acceleration = 0.0001\nreference_force = 5\nmodes = [");
     let filtered = filtered.replace("[512.0, 300.0]", "[4.0, 4.0]").replace("[180.0, -500.0]", "[2.0, -2.0]");
     let folder = folder(&filtered);
-    let before = kit::load(&folder.path().join("kit.toml")).unwrap().kit;
+    kit::load(&folder.path().join("kit.toml")).unwrap().kit
+}
+
+#[test]
+fn object_with_another_reference_force_sounds_as_before() {
+    let before = filtered();
     let mut after = before.clone();
     after.objects[0] = after.objects[0].with_reference_force(20.0);
     let [before, after] = [before, after].map(|kit| both(&kit, &[strike(0, 0.0, 1)]));
@@ -227,6 +261,22 @@ name = "yarn"#,
         let snr = snr_db(&[after[renderer].clone(), before[renderer].clone()]);
         println!("{snr:.1} dB, peak {:.1} dBFS", peak_dbfs(&before[renderer]));
         assert!(snr > 80.0, "{snr:.1} dB");
+    }
+}
+
+#[test]
+fn object_with_another_gain_sounds_louder_by_just_that() {
+    for modes in [kit::ModesGo::Through, kit::ModesGo::Beside] {
+        let mut before = filtered();
+        before.objects[0].dynamic_filter.as_mut().unwrap().modes = modes;
+        let mut after = before.clone();
+        after.objects[0] = after.objects[0].with_gain(0.25);
+        let [before, after] = [before, after].map(|kit| both(&kit, &[strike(0, 0.0, 1)]));
+        for renderer in 0..2 {
+            let louder = after[renderer].iter().map(|frame| frame.map(|x| 4.0 * x)).collect();
+            let snr = snr_db(&[louder, before[renderer].clone()]);
+            assert!(snr > 80.0, "{modes:?}: {snr:.1} dB");
+        }
     }
 }
 

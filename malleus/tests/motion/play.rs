@@ -262,3 +262,46 @@ fn motions_that_a_kit_cannot_play_are_refused_by_name_without_a_file() {
         assert!(!folder.join("f.wav").exists() && !folder.join("out.wav").exists());
     }
 }
+
+#[test]
+fn motion_that_leaves_the_object_is_told_with_its_time_and_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_kit(folder, "surface = \"tile\"\nsize_m = [0.2, 0.1]", SCRAPE);
+    let told = |length_m: f64, more: &str| {
+        runs(folder, &format!("motion back-and-forth --length {length_m} --period 1 --pad bar -o m.csv{more}"));
+        let done = malleus(folder, "play --kit kit.toml --motion m.csv -o out.wav");
+        assert!(done.status.success());
+        String::from_utf8_lossy(&done.stderr).into_owned()
+    };
+    assert!(!told(0.2, " --at -0.1,0").contains("leaves"), "{}", told(0.2, " --at -0.1,0"));
+    // Both strokes there end 0.2 m from the middle: 0.1 m is reached at the angle acos(-1/3).
+    let said = told(0.3, " --at -0.1,0");
+    assert!(
+        said.contains("m.csv: pad bar: the motion leaves the object 2 times, first at 0.305 s at 0.1005,0.0000 m"),
+        "{said}"
+    );
+    assert!(said.contains("size_m = [0.2, 0.1]"), "{said}");
+}
+
+#[test]
+fn play_that_fails_leaves_neither_force_nor_log_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_kit(folder, SURFACE, SCRAPE);
+    runs(folder, "motion back-and-forth --strokes 1 --pad bar -o m.csv");
+    fs::write(folder.join("old.csv"), "old").unwrap();
+    for files in ["--force f.wav --log old.csv -o missing/out.wav", "--force missing/f.wav --log old.csv -o out.wav"] {
+        let done = malleus(folder, &format!("play --kit kit.toml --motion m.csv {files}"));
+        let error = String::from_utf8_lossy(&done.stderr);
+        assert!(!done.status.success() && error.contains("missing") && error.contains("make its folder"), "{error}");
+        let names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(
+            (names.len(), fs::read_to_string(folder.join("old.csv")).unwrap()),
+            (3, "old".to_owned()),
+            "{names:?}"
+        );
+    }
+    let done = malleus(folder, "play --kit kit.toml --motion m.csv --force f.wav --log f.wav -o out.wav");
+    assert!(!done.status.success() && !folder.join("f.wav").exists());
+}

@@ -49,7 +49,7 @@ fn motions_that_cannot_be_are_refused_without_a_file() {
         ("circle -o m.csv --length 0", "--length 0: must be from 0.001 to 100 metres"),
         ("line -o m.csv --length inf", "--length inf: must be"),
         ("back-and-forth -o m.csv --period 0.04", "s of the motion, and no motion is faster than 10 m/s"),
-        ("circle -o m.csv --speed 10", "10.0002 m/s at"),
+        ("scribble -o m.csv --speed 10", "s of the motion, and no motion is faster than 10 m/s"),
         ("roll -o m.csv --incline 3 --speed 0", "a ball at rest rolls downhill only"),
         ("scribble -o m.csv --at 0", "must be two numbers in metres"),
         ("line -o m.csv --length 100 --speed 0.05", "at most 600 s"),

@@ -202,3 +202,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn highest_speed_is_drawn_and_read_back_and_above_it_nothing_is() {
+    for length_m in [0.05, 0.6, 5.0, 100.0] {
+        for shape in [
+            Shape::Circle { length_m, speed_m_per_s: 10.0 },
+            Shape::Line { length_m, speed_m_per_s: 10.0 },
+            Shape::Roll { length_m, speed_m_per_s: 10.0, incline_deg: 0.0 },
+            Shape::Roll { length_m, speed_m_per_s: 10.0, incline_deg: 2.0 },
+        ] {
+            let drawing = trial(shape).draw().unwrap();
+            let read = parse(drawing.csv("board", "").as_bytes());
+            assert!(read.is_ok(), "{shape:?}: {read:?}");
+        }
+    }
+    let scribble = trial(Shape::Scribble { length_m: 0.8, speed_m_per_s: 10.0, seed: 1 });
+    let refused = scribble
+        .draw()
+        .map_err(|error| error.to_string())
+        .and_then(|drawing| drawing.motion().map(drop).map_err(|fault| TrialError::from(fault).to_string()));
+    assert!(refused.is_err_and(|message| message.contains("no motion is faster than 10 m/s")));
+}

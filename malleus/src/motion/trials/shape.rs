@@ -97,7 +97,7 @@ pub enum TrialError {
         /// Longest time in seconds.
         most_s: f64,
     },
-    /// The path is too fast, as one of short periods is, or a circle at just the highest speed.
+    /// The path is too fast, as one of short periods is, or a scribble whose mean is the limit.
     #[error(
         "{speed_m_per_s:.4} m/s at {time_s:.3} s of the motion, and no motion is faster than {MOST_SPEED_M_PER_S} m/s: take less --length or --speed, or more --period"
     )]

@@ -136,7 +136,7 @@ pub(super) fn held(motion: &Motion, kit: &Kit<'_>, index: usize, is_constant: bo
     Ok(Held { range, normal, is_constant })
 }
 
-fn pad_name(kit: &Kit<'_>, contact: &motion::Contact) -> String {
+pub(super) fn pad_name(kit: &Kit<'_>, contact: &motion::Contact) -> String {
     kit.pads().nth(contact.pad.into()).map_or(String::new(), |pad| pad.name().to_owned())
 }
 
@@ -158,7 +158,7 @@ fn contact(
     // Each touch begins at a place of its own, as in an engine.
     contact.seed = u32::from(touch.pad).wrapping_add(256 * index as u32);
     let reference_force_n = f64::from(contact.reference_force_n);
-    let size_m = object_size_m(kit, touch);
+    let [length_m, _] = object_size_m(kit, touch);
     let mut scraper = Scraper::new(contact, rate);
     let mut twin = (renderer == Renderer::Reference).then(|| {
         let (numerator, denominator) = rate.ratio();
@@ -184,7 +184,7 @@ fn contact(
         let state = reader.at(time_s).filter(|state| state.contact == index);
         let motion = held.moved(state.as_ref());
         if let Some(state) = &state {
-            along = along_object(state, size_m);
+            along = along_object(state, length_m);
         }
         let mut frames = [0; TICK_FRAMES];
         scraper.render(motion, &mut frames).map_err(|error| ScrapedError::Motion { time_s, error })?;
@@ -256,13 +256,13 @@ pub(super) fn described<'k>(
 }
 
 /// Place of a state along an object of a length, 0 to 1; the object's middle is place 0 m.
-pub(super) fn along_object(state: &State, size_m: f32) -> f64 {
-    (0.5 + state.position_m[0] / f64::from(size_m)).clamp(0.0, 1.0)
+pub(super) fn along_object(state: &State, length_m: f32) -> f64 {
+    (0.5 + state.position_m[0] / f64::from(length_m)).clamp(0.0, 1.0)
 }
 
-/// Length of a pad's object along its positions, in metres.
-pub(super) fn object_size_m(kit: &Kit<'_>, touch: &motion::Contact) -> f32 {
+/// Size of a pad's object along its positions and across them, in metres.
+pub(super) fn object_size_m(kit: &Kit<'_>, touch: &motion::Contact) -> [f32; 2] {
     let number = kit.pads().nth(touch.pad.into()).map(|pad| pad.object_index());
     let place = kit.object_surfaces().iter().find(|place| Some(usize::from(place.object.get())) == number);
-    place.map_or(1.0, |place| place.size_m[0].get())
+    place.map_or([1.0; 2], |place| place.size_m.map(|size_m| size_m.get()))
 }

@@ -23,14 +23,14 @@ pub fn events(motion: &Motion, kit: &Kit<'_>, rate: SampleRate, is_constant: boo
     for (index, touch) in motion.contacts().iter().enumerate() {
         let held = held(motion, kit, index, is_constant)?;
         described(kit, touch, held.normal_n())?;
-        let size_m = object_size_m(kit, touch);
+        let [length_m, _] = object_size_m(kit, touch);
         let first_tick = (touch.touch_s * rate.hz() / TICK_FRAMES as f64) as usize;
         let mut reader = motion.reader();
         let mut position = 0.5;
         for tick in first_tick.. {
             let time_s = ((tick + 1) * TICK_FRAMES) as f64 / rate.hz();
             let state = reader.at(time_s).filter(|state| state.contact == index);
-            position = state.as_ref().map_or(position, |state| along_object(state, size_m) as f32);
+            position = state.as_ref().map_or(position, |state| along_object(state, length_m) as f32);
             let event = Event {
                 time: Time::at_frame((tick * TICK_FRAMES) as u64),
                 pad: touch.pad,

@@ -6,12 +6,14 @@
 //!                                               └─► parts: direct forces, for the reference
 //! ```
 
+mod beyond;
 mod contacts;
 mod error;
 mod events;
 mod parts;
 mod without;
 
+pub use beyond::{Beyond, beyond};
 pub use contacts::{Renderer, Scraped, Source, Trace, render};
 pub use error::ScrapedError;
 pub use events::{events, merged};
