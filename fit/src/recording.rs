@@ -183,7 +183,7 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let mut recording = audio::read(path, options.force_channel)?;
     let (found, mut notes) = segment::hits(&recording)?;
     recording.notes.append(&mut notes);
-    let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
+    let hits = segment::select(&recording, &found, &options.hits)?;
     if recording.force.is_some() && options.strike.estimator == strike::Estimator::Bins {
         return Err(FitError::BinsWithForce);
     }

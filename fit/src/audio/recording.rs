@@ -1,6 +1,7 @@
 //! A recording as samples, and notes on how it was read.
 
 use std::fmt;
+use std::ops::Range;
 
 /// A recording, ready to be fitted.
 #[derive(Clone, Debug)]
@@ -12,6 +13,8 @@ pub struct Recording {
     pub offset: f64,
     /// Samples of the measured force, full scale 1; `None` without a force channel.
     pub force: Option<Vec<f64>>,
+    /// Samples at which the file's own samples stand still at its highest or lowest value.
+    pub flat_tops: Vec<Range<usize>>,
     /// Sample rate in Hz.
     pub rate_hz: f64,
     /// Notes on how the recording was read.

@@ -114,6 +114,41 @@ fn a_strike_cut_off_at_full_scale_is_refused() {
     assert!((raised / plain - 1.0).abs() < 0.3, "{plain} % and {raised} % with an offset");
 }
 
+/// A strike whose peaks above or below a share of the largest one are cut off.
+fn cut_off(sound: &[f64], share: f64, sides: [bool; 2]) -> Vec<f64> {
+    let limit = share * sound.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let [low, high] = [if sides[0] { -limit } else { f64::MIN }, if sides[1] { limit } else { f64::MAX }];
+    sound.iter().map(|x| x.clamp(low, high)).collect()
+}
+
+#[test]
+fn a_strike_with_one_flat_peak_is_refused_at_every_rate() {
+    let folder = TempDir::new().expect("a folder");
+    for rate_hz in [44_100, 96_000] {
+        let sound = strike(f64::from(rate_hz), 0.1, 1.0);
+        let refusal = |sound: Vec<f64>| fit(&wave(&folder, "flat.wav", rate_hz, &[sound])).err();
+        assert!(refusal(sound.clone()).is_none());
+        for sides in [[true, true], [false, true], [true, false]] {
+            let error = refusal(cut_off(&sound, 0.8, sides)).expect("it is clipped");
+            assert!(matches!(error, FitError::Clipped { percent, .. } if percent < 10.0), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_clipped_strike_beside_the_chosen_one_does_not_refuse_it() {
+    let folder = TempDir::new().expect("a folder");
+    let sound = strike(44_100.0, 0.1, 1.0);
+    let both = [cut_off(&sound, 0.8, [true, true]), sound.iter().map(|x| 0.5 * x).collect()].concat();
+    let path = wave(&folder, "two.wav", 44_100, &[both]);
+    let error = fit(&path).expect_err("the first strike is clipped");
+    assert!(error.to_string().contains("the strike at 0.100 s") && error.to_string().contains("choose other"));
+    let options = Options { hits: vec![2], ..Options::default() };
+    let worker = std::thread::Builder::new().stack_size(64 << 20);
+    let work = worker.spawn(move || fit_file(&path, &options)).expect("a thread can be started");
+    has_three_modes(&work.join().expect("it does not panic").expect("the second strike is not clipped"));
+}
+
 #[test]
 fn rates_that_the_instrument_does_not_play_are_refused_before_a_fit() {
     let folder = TempDir::new().expect("a folder");
@@ -180,7 +215,8 @@ fn two_minutes_of_a_longer_file_are_read_with_a_note() {
 #[test]
 fn strikes_that_are_too_close_are_taken_for_bounces() {
     let folder = TempDir::new().expect("a folder");
-    let once = strike(44_100.0, 0.1, 1.0);
+    // Half as loud as other strikes here, so that the second one is not clipped.
+    let once: Vec<f64> = strike(44_100.0, 0.1, 1.0).iter().map(|x| 0.5 * x).collect();
     let mut twice = once.clone();
     for (n, x) in once.iter().enumerate().take(once.len() - 1_500) {
         twice[n + 1_500] = 0.3 * twice[n + 1_500] + if n > 4_400 { 1.5 * x } else { 0.0 };
