@@ -297,8 +297,10 @@ fn noise_that_lasts_throughout_becomes_neither_modes_nor_a_residual() {
         // Short modes of the noise that are louder than its mean may stay; they are no hiss.
         let rings_on = fit.modes.iter().any(|mode| mode.t60_s() > 7.0);
         assert!(fit.modes.len() < 12 && !rings_on, "{level_dbfs} dBFS: {:?}", fit.modes);
+        // A band takes up a little of what the noise is louder there than before the strike.
         let slow = report.residual_bands.iter().filter(|band| band.decay_db_per_s < 10.0);
-        assert_eq!(slow.filter(|band| band.weight > 1e-5).count(), 0, "{:?}", report.residual_bands);
+        let power: f64 = slow.map(|band| band.weight * band.weight).sum();
+        assert!(10.0 * power.max(1e-12).log10() < level_dbfs - 10.0, "{:?}", report.residual_bands);
         let note = format!("a steady noise of {level_dbfs:.0} dBFS lies under the strike");
         assert!(report.notes.iter().any(|told| told.contains(&note)), "{:?}", report.notes);
     }
