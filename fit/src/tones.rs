@@ -90,8 +90,8 @@ impl Part {
 
 /// Tones near some frequencies in Hz that are as loud at a strike's end as before the strike.
 ///
-/// `quiet` precedes the strike by `gap` samples, `end` begins `behind` samples after its onset. Each
-/// tone keeps its frequency, level and phase through both, so that a mode that decays is none.
+/// `quiet` precedes the strike by `gap` samples, `end` begins `behind` samples after its onset.
+/// Each tone keeps its frequency, level and phase through both, so that a mode that decays is none.
 pub(crate) fn steady(
     (quiet, gap): (&[f64], usize),
     (end, behind): (&[f64], usize),

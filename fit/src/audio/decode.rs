@@ -90,7 +90,7 @@ pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> 
     if factor > 1 {
         notes.push(Note::Decimated { from_hz: f64::from(rate_hz), to_hz: new_rate_hz });
     }
-    // A decimated sound has no flat tops any more, so that they are looked for in the file's samples.
+    // A decimated sound has no flat tops any more: they are looked for in the file's samples.
     let raw: Vec<f64> = of(taken).map(f64::from).collect();
     let flat_tops = flat_tops(&raw).into_iter().map(|top| top.start / factor..top.end.div_ceil(factor)).collect();
     let channel = |index| decimate(&of(index).collect::<Vec<f32>>(), offsets[index], factor);

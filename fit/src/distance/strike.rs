@@ -2,8 +2,8 @@
 //!
 //! A Hann window is 0 where it begins: a frame that begins with the strike does not hear the
 //! strike's first milliseconds. So frames begin half a window before the onset. There both sounds
-//! are the recording's own, since a rendering has nothing before the strike. A rendering is heard in
-//! noise like the recording's steady background, which is no part of the strike.
+//! are the recording's own, since a rendering has nothing before the strike. A rendering is
+//! heard in noise like the recording's steady background, which is no part of the strike.
 
 use std::borrow::Cow;
 
