@@ -1,8 +1,19 @@
-//! Values at which a sound is cut off where it is clipped.
+//! Values at which a sound is cut off where it is clipped, and the flat tops that clipping leaves.
+
+use std::ops::Range;
 
 /// Least size of a sound's smaller extreme relative to its larger one for it to be a limit, too.
 /// Both limits lie equally far from 0 unless an offset was taken off, which is less than a third.
 const OTHER_SIDE: f64 = 0.5;
+/// Least number of equal samples in a flat top.
+const FLAT: usize = 3;
+/// Share of a limit from which on samples may be in a flat top.
+const AT_LIMIT: f64 = 0.9999;
+/// Least fall behind or before a flat top, in steps of the recording's resolution.
+///
+/// A round top of `n` equal samples falls by at most `(1 + 2/n)^2` steps to the sample beside it,
+/// 2.8 for three samples, so that slow and quiet sounds in few bits are not taken for clipped ones.
+const LEAST_FALL: f64 = 4.0;
 
 /// Extremes of a sound, at each of which it may be clipped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +40,46 @@ impl Limits {
     }
 }
 
+/// Flat tops of a sound: runs of three or more equal samples at one of its limits.
+///
+/// A round top that only looks flat in the sound's resolution is left out. The resolution is the
+/// least difference between neighbouring samples.
+pub(crate) fn flat_tops(samples: &[f64]) -> Vec<Range<usize>> {
+    let limits = Limits::of(samples);
+    let differences = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let step = differences.filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min);
+    let mut tops = Vec::new();
+    let mut from = 0;
+    for run in samples.chunk_by(|a, b| a == b) {
+        let top = from..from + run.len();
+        from = top.end;
+        if run.len() < FLAT || !limits.are_reached(run[0], AT_LIMIT) {
+            continue;
+        }
+        let beside = [top.start.checked_sub(1).and_then(|at| samples.get(at)), samples.get(top.end)];
+        if beside.into_iter().flatten().any(|x| (x - run[0]).abs() > LEAST_FALL * step) {
+            tops.push(top);
+        }
+    }
+    tops
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn round_tops_of_few_bits_are_not_flat_and_clipped_ones_are() {
+        let sounds = [(30.0, 0.01, 2.0), (300.0, 0.02, 2.0), (300.0, 0.1, 0.9), (300.0, 0.1, -0.97)];
+        for (steps, step_per_sample, top) in sounds {
+            let sine = |n: u32| 0.5 * (step_per_sample * f64::from(n)).sin();
+            let clipped = |x: f64| if top < 0.0 { x.max(0.5 * top) } else { x.min(0.5 * top) };
+            let sound: Vec<f64> = (0..2_000).map(|n| (clipped(sine(n)) * 2.0 * steps).round() / steps).collect();
+            let tops = flat_tops(&sound);
+            assert_eq!(!tops.is_empty(), top < 1.0, "{steps} {top}: {tops:?}");
+            assert!(tops.iter().all(|top| top.len() >= 3 && sound[top.clone()].iter().all(|x| *x == sound[top.start])));
+        }
+    }
 
     #[test]
     fn both_extremes_are_limits_also_where_an_offset_was_taken_off() {

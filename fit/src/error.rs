@@ -83,12 +83,13 @@ pub enum FitError {
     NoOnset,
     /// A strike is clipped.
     #[error(
-        "clipped: {percent:.0} % of the samples of the strike at {at_s:.3} s stand at its largest value; record it at a lower level"
+        "clipped: {percent:.1} % of the samples in the loudest part of the strike at {at_s:.3} s stand still at its largest \
+         value; record it at a lower level, or choose other strikes"
     )]
     Clipped {
         /// Time of the strike in seconds.
         at_s: f64,
-        /// Share of clipped samples in percent.
+        /// Share of clipped samples in percent, of 20 ms from the strike or its first flat top on.
         percent: f64,
     },
     /// The hit asked for does not exist.

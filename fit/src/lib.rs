@@ -26,6 +26,7 @@ pub mod synthetic;
 pub mod table;
 
 mod analytic;
+mod background;
 mod band;
 mod clipping;
 mod convolution;
@@ -34,6 +35,7 @@ mod error;
 mod joint;
 mod parabola;
 mod random;
+mod tones;
 mod trim;
 mod vectors;
 

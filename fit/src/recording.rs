@@ -6,6 +6,7 @@ use kit::counting::counted;
 use serde::Serialize;
 
 use crate::audio::{self, Recording};
+use crate::background::Background;
 use crate::contact;
 use crate::distance::lsd_window;
 use crate::error::FitError;
@@ -183,9 +184,12 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
     let mut recording = audio::read(path, options.force_channel)?;
     let (found, mut notes) = segment::hits(&recording)?;
     recording.notes.append(&mut notes);
-    let hits = segment::select(&found, &options.hits, recording.rate_hz)?;
+    let hits = segment::select(&recording, &found, &options.hits)?;
     if recording.force.is_some() && options.strike.estimator == strike::Estimator::Bins {
         return Err(FitError::BinsWithForce);
+    }
+    if recording.force.is_none() {
+        take_tones_off(&mut recording, &hits);
     }
     let fit = match recording.force.as_ref().zip(options.force_channel) {
         Some((force, channel)) => {
@@ -210,6 +214,10 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         ),
         licence: options.licence.clone(),
     };
+    let heard = &recording.samples[strike.hit.onset..strike.hit.end];
+    if let Some(background) = Background::under(&recording.samples[..strike.hit.onset], heard, recording.rate_hz) {
+        recording.notes.push(audio::Note::Background { level_dbfs: 20.0 * background.rms().log10() });
+    }
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];
     let stage = RecordedStrike::new(&recording.samples[..strike.hit.onset], heard, recording.rate_hz, strike.position);
     let judge = Heard::new(&recording.samples, recording.rate_hz, strike.hit.onset, strike.hit.end);
@@ -300,6 +308,24 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         seconds: start.elapsed().as_secs_f64(),
     };
     Ok(Fitted { recording, fit, table, rendering, whole, sounding, heard: judge, report })
+}
+
+/// Takes the steady tones under the loudest strike off the recording, with a note.
+fn take_tones_off(recording: &mut Recording, hits: &[segment::Hit]) {
+    let (samples, rate_hz) = (&mut recording.samples, recording.rate_hz);
+    let peak = |hit: &segment::Hit| samples[hit.onset..hit.end].iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let Some(hit) = hits.iter().max_by(|a, b| peak(a).total_cmp(&peak(b))) else { return };
+    let (before, strike) = samples[..hit.end].split_at(hit.onset);
+    let Some(background) = Background::under(before, strike, rate_hz) else { return };
+    let found = background.tones(before, strike);
+    if found.is_empty() {
+        return;
+    }
+    for (n, x) in samples.iter_mut().enumerate() {
+        *x -= found.iter().map(|tone| tone.at(n as f64 - hit.onset as f64)).sum::<f64>();
+    }
+    let tones = found.iter().map(|tone| [tone.frequency_hz(rate_hz), 10.0 * tone.power().log10()]).collect();
+    recording.notes.push(audio::Note::Tones { tones });
 }
 
 /// Contact times that a strike's sound allows; `None` if the force was measured.

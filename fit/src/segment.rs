@@ -50,8 +50,7 @@ const SHORTEST_S: f64 = 0.015;
 /// strike. Without any rise of 12 dB, a recording that dies away by 12 dB is one strike.
 ///
 /// # Errors
-/// [`FitError::Silence`], [`FitError::NoOnset`], or [`FitError::Clipped`] if more than a tenth of
-/// the samples of a strike's first 20 ms are equal.
+/// [`FitError::Silence`] or [`FitError::NoOnset`].
 pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     let samples = &recording.samples;
     let peak = samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
@@ -72,7 +71,6 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
         && let Some((hits, bounces)) = of_force(samples, force, recording.rate_hz)
     {
         notes.extend((!bounces.is_empty()).then_some(Note::Bounces { at_s: bounces }));
-        check_clipping(recording, &hits)?;
         return Ok((hits, notes));
     }
     let mut has_risen = false;
@@ -143,7 +141,6 @@ pub fn hits(recording: &Recording) -> Result<(Vec<Hit>, Vec<Note>), FitError> {
     if !bounces.is_empty() {
         notes.push(Note::Bounces { at_s: bounces });
     }
-    check_clipping(recording, &hits)?;
     Ok((hits, notes))
 }
 
@@ -187,8 +184,10 @@ fn of_force(samples: &[f64], force: &[f64], rate_hz: f64) -> Option<(Vec<Hit>, V
 ///
 /// # Errors
 /// [`FitError::NoSuchHit`] for a hit that does not exist, [`FitError::TooShort`] for one shorter
-/// than 15 ms.
-pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, FitError> {
+/// than 15 ms, [`FitError::Clipped`] for one with a flat top, or one of whose first 20 ms more than
+/// a tenth stands at the largest value.
+pub fn select(recording: &Recording, hits: &[Hit], wanted: &[usize]) -> Result<Vec<Hit>, FitError> {
+    let rate_hz = recording.rate_hz;
     let chosen = if wanted.is_empty() {
         hits.to_vec()
     } else {
@@ -201,13 +200,15 @@ pub fn select(hits: &[Hit], wanted: &[usize], rate_hz: f64) -> Result<Vec<Hit>, 
         wanted.iter().map(pick).collect::<Result<Vec<_>, _>>()?
     };
     let is_short = |hit: &&Hit| ((hit.end - hit.onset) as f64) < SHORTEST_S * rate_hz;
-    match chosen.iter().find(is_short) {
-        Some(hit) if !wanted.is_empty() || chosen.iter().all(|hit| is_short(&hit)) => Err(FitError::TooShort {
-            at_s: hit.onset as f64 / rate_hz,
-            length_ms: (hit.end - hit.onset) as f64 / rate_hz * 1e3,
-        }),
-        _ => Ok(chosen.into_iter().filter(|hit| !is_short(&hit)).collect()),
-    }
+    let chosen: Vec<Hit> = match chosen.iter().find(is_short) {
+        Some(hit) if !wanted.is_empty() || chosen.iter().all(|hit| is_short(&hit)) => {
+            let length_ms = (hit.end - hit.onset) as f64 / rate_hz * 1e3;
+            return Err(FitError::TooShort { at_s: hit.onset as f64 / rate_hz, length_ms });
+        }
+        _ => chosen.into_iter().filter(|hit| !is_short(&hit)).collect(),
+    };
+    check_clipping(recording, &chosen)?;
+    Ok(chosen)
 }
 
 /// True if a recording ends soon behind a strike's beginning, or behind its peak, where the strike
@@ -260,8 +261,14 @@ fn check_clipping(recording: &Recording, hits: &[Hit]) -> Result<(), FitError> {
         let limits = Limits::of(attack);
         let stands = |pair: &[f64]| limits.are_reached(pair[0], 0.9999) && pair[0] == pair[1];
         let clipped = attack.windows(2).filter(|pair| stands(pair)).count();
-        if clipped * 10 > attack.len() {
-            let percent = 100.0 * clipped as f64 / attack.len() as f64;
+        let tops = recording.flat_tops.iter().filter(|top| (hit.onset..hit.end).contains(&top.start));
+        let first = tops.clone().next().map(|top| if top.start < hit.onset + length { hit.onset } else { top.start });
+        let flat: usize = match first {
+            Some(first) => tops.filter(|top| top.start < first + length).map(ExactSizeIterator::len).sum(),
+            None => 0,
+        };
+        if flat > 0 || clipped * 10 > attack.len() {
+            let percent = 100.0 * flat.max(clipped) as f64 / attack.len() as f64;
             return Err(FitError::Clipped { at_s: hit.onset as f64 / recording.rate_hz, percent });
         }
     }

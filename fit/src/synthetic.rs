@@ -143,7 +143,14 @@ pub fn hammered(seed: u64) -> Hammered {
         let noise_rms = 10f64.powf(noise_dbfs / 20.0);
         channel.iter_mut().for_each(|x| *x += noise_rms * random.normal());
     }
-    let recording = Recording { samples, offset: 0.0, force: Some(force), rate_hz: RATE_HZ, notes: Vec::new() };
+    let recording = Recording {
+        samples,
+        offset: 0.0,
+        force: Some(force),
+        flat_tops: Vec::new(),
+        rate_hz: RATE_HZ,
+        notes: Vec::new(),
+    };
     Hammered { recording, contact_times_s }
 }
 

@@ -13,6 +13,7 @@ use symphonia::core::meta::MetadataOptions;
 use super::decimate::decimate;
 use super::offset::constant_offset;
 use super::recording::{Note, Recording};
+use crate::clipping::flat_tops;
 use crate::error::FitError;
 
 /// Maximum length in seconds that [`read`] takes, so that memory stays bounded for every file.
@@ -89,11 +90,15 @@ pub fn read_up_to(path: &Path, force_channel: Option<usize>, longest_s: f64) -> 
     if factor > 1 {
         notes.push(Note::Decimated { from_hz: f64::from(rate_hz), to_hz: new_rate_hz });
     }
+    // A decimated sound has no flat tops any more: they are looked for in the file's samples.
+    let raw: Vec<f64> = of(taken).map(f64::from).collect();
+    let flat_tops = flat_tops(&raw).into_iter().map(|top| top.start / factor..top.end.div_ceil(factor)).collect();
     let channel = |index| decimate(&of(index).collect::<Vec<f32>>(), offsets[index], factor);
     Ok(Recording {
         samples: channel(taken),
         offset: offsets[taken],
         force: force_channel.map(channel),
+        flat_tops,
         rate_hz: new_rate_hz,
         notes,
     })

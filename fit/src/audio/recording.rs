@@ -1,6 +1,7 @@
 //! A recording as samples, and notes on how it was read.
 
 use std::fmt;
+use std::ops::Range;
 
 /// A recording, ready to be fitted.
 #[derive(Clone, Debug)]
@@ -12,6 +13,8 @@ pub struct Recording {
     pub offset: f64,
     /// Samples of the measured force, full scale 1; `None` without a force channel.
     pub force: Option<Vec<f64>>,
+    /// Samples at which the file's own samples stand still at its highest or lowest value.
+    pub flat_tops: Vec<Range<usize>>,
     /// Sample rate in Hz.
     pub rate_hz: f64,
     /// Notes on how the recording was read.
@@ -59,6 +62,16 @@ pub enum Note {
     },
     /// The recording begins in the middle of a strike.
     StartsRinging,
+    /// A steady noise lies under the strike, before it as long after it.
+    Background {
+        /// Level in dB of full scale.
+        level_dbfs: f64,
+    },
+    /// Steady tones, such as the hum of mains, were taken off.
+    Tones {
+        /// Frequency in Hz and level in dB of full scale of each tone.
+        tones: Vec<[f64; 2]>,
+    },
     /// The recording ends soon after a strike, while it still rings.
     EndsRinging {
         /// Time from the strike to the end in seconds.
@@ -100,6 +113,16 @@ impl fmt::Display for Note {
                 f,
                 "the recording ends {after_s:.3} s after the strike, which still rings: slow decays are guesses"
             ),
+            Self::Background { level_dbfs } => {
+                write!(f, "a steady noise of {level_dbfs:.0} dBFS lies under the strike, and is left out of the fit")
+            }
+            Self::Tones { tones } => {
+                write!(f, "steady tones that sound before the strike, too, such as the hum of mains, are taken off: ")?;
+                for (index, [hz, dbfs]) in tones.iter().enumerate() {
+                    write!(f, "{}{hz:.1} Hz at {dbfs:.0} dBFS", if index == 0 { "" } else { ", " })?;
+                }
+                Ok(())
+            }
             Self::StartsRinging => write!(f, "the recording begins with the strike: its attack may be missing"),
         }
     }

@@ -2,10 +2,14 @@
 //!
 //! A Hann window is 0 where it begins: a frame that begins with the strike does not hear the
 //! strike's first milliseconds. So frames begin half a window before the onset. There both sounds
-//! are the recording's own, since a rendering has nothing before the strike.
+//! are the recording's own, since a rendering has nothing before the strike. A rendering is
+//! heard in noise like the recording's steady background, which is no part of the strike.
+
+use std::borrow::Cow;
 
 use super::erb::{self, ErbLevels};
 use super::lsd::{self, LONGEST_WINDOW, lsd_window};
+use crate::background::Background;
 
 /// Distances of a sound from a recording.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -24,6 +28,8 @@ pub struct RecordedLevels {
     /// Samples before the onset, as many as half the longest window; zeros where there are none.
     lead: Vec<f64>,
     strike: Vec<f64>,
+    /// Noise like the steady background of the strike; empty without one.
+    background: Vec<f64>,
     rate_hz: f64,
     /// Number of samples of the beginning.
     early: usize,
@@ -41,6 +47,8 @@ impl RecordedLevels {
             levels: levels(strike),
             early_levels: levels(&strike[..early]),
             strike: strike.to_vec(),
+            background: Background::under(before, strike, rate_hz)
+                .map_or_else(Vec::new, |background| background.sound(strike.len())),
             rate_hz,
             early,
             lead,
@@ -59,10 +67,11 @@ impl RecordedLevels {
 
     /// Distances of a rendering that begins at the onset.
     pub fn distances(&self, rendering: &[f64]) -> Distances {
+        let rendering = &*self.in_background(rendering);
         let levels = |part: &[f64]| ErbLevels::new(&joined(&self.lead, part, erb::WINDOW / 2), self.rate_hz);
         let early = &rendering[..self.early.min(rendering.len())];
         Distances {
-            lsd_db: self.lsd_db(rendering),
+            lsd_db: self.lsd_in_background_db(rendering),
             erb_db: self.levels.distance_db(&levels(rendering)),
             early_erb_db: self.early_levels.distance_db(&levels(early)),
         }
@@ -75,6 +84,18 @@ impl RecordedLevels {
     /// window before the onset and end 0.25 s behind the sample that is 20 before the peak. Both
     /// spectra are floored 60 dB below the recording's maximum, and both strikes have unit rms.
     pub fn lsd_db(&self, rendering: &[f64]) -> f64 {
+        self.lsd_in_background_db(&self.in_background(rendering))
+    }
+
+    /// A rendering with noise like the background of the recording.
+    fn in_background<'a>(&self, rendering: &'a [f64]) -> Cow<'a, [f64]> {
+        if self.background.is_empty() {
+            return Cow::Borrowed(rendering);
+        }
+        Cow::Owned(rendering.iter().zip(&self.background).map(|(rendering, noise)| rendering + noise).collect())
+    }
+
+    fn lsd_in_background_db(&self, rendering: &[f64]) -> f64 {
         let mut rendering = rendering[..self.early.min(rendering.len())].to_vec();
         rendering.resize(self.early, 0.0);
         let (wanted, given) = (&self.strike[..self.early], &rendering[..]);

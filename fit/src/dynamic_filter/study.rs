@@ -44,7 +44,7 @@ pub fn heard_in(path: &FilePath) -> Result<Heard, FitError> {
     let recording = audio::read(path, None)?;
     let rate_hz = recording.rate_hz;
     let (hits, _) = segment::hits(&recording)?;
-    let hits = segment::select(&hits, &[], rate_hz)?;
+    let hits = segment::select(&recording, &hits, &[])?;
     let peak =
         |hit: &segment::Hit| recording.samples[hit.onset..hit.end].iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let loudest = hits.iter().max_by(|a, b| peak(a).total_cmp(&peak(b))).ok_or(FitError::NoOnset)?;

@@ -4,6 +4,7 @@ use fourier::Complex;
 
 use super::cancelling::part_cancelling;
 use super::objective::{BandSlope, Objective};
+use crate::background::Background;
 use crate::band::Band;
 use crate::modes::{Gains, Pole};
 
@@ -62,6 +63,7 @@ impl Descent {
     /// A descent for the strike in `sound` that begins at sample `onset` and ends before `end`.
     ///
     /// The force drives the modes from the onset on. `fastest_decay` is per sample.
+    /// The background is a part of the sound that nothing moves.
     pub(crate) fn new(
         sound: &[f64],
         onset: usize,
@@ -69,12 +71,13 @@ impl Descent {
         rate_hz: f64,
         force: &[f64],
         noise_edges_hz: &[f64],
+        background: Option<&Background>,
         fastest_decay: f64,
     ) -> Self {
         let strike = &sound[onset..end.min(sound.len())];
         let first = &strike[..strike.len().min((0.25 * rate_hz) as usize)];
         Self {
-            objective: Objective::new(sound, onset, end, rate_hz, force, noise_edges_hz),
+            objective: Objective::new(sound, onset, end, rate_hz, force, noise_edges_hz, background),
             rate_hz,
             decays: [0.05 / rate_hz, fastest_decay],
             power: first.iter().map(|x| x * x).sum::<f64>() / first.len().max(1) as f64,

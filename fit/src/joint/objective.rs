@@ -7,6 +7,7 @@ use super::noise::{Fall, NoiseGrid};
 use super::response::Response;
 use super::spectra::{Shape, Slopes, Spectra};
 use super::split::Split;
+use crate::background::Background;
 use crate::band::Band;
 use crate::distance::{ErbLevels, LSD_SECONDS, lsd_window};
 use crate::hearing::{LOUDNESS_S, Partial, Partials};
@@ -44,6 +45,8 @@ struct Part {
     grid: Grid,
     spectra: Spectra,
     noise: NoiseGrid,
+    /// Power of the steady background in each cell.
+    background: Vec<f32>,
 }
 
 /// The distance, and what is needed to follow its slope.
@@ -78,6 +81,7 @@ impl Objective {
         rate_hz: f64,
         force: &[f64],
         noise_edges_hz: &[f64],
+        background: Option<&Background>,
     ) -> Self {
         let strike = &sound[onset..end.min(sound.len())];
         let sound = &sound[..end.min(sound.len())];
@@ -86,7 +90,14 @@ impl Objective {
         let mut add = |grid: Grid| {
             let spectra = Spectra::new(&grid, force);
             let noise = NoiseGrid::new(noise_edges_hz, rate_hz, grid.size, &grid.frames, &grid.cells);
-            parts.push(Part { grid, spectra, noise });
+            let background = background.map_or_else(
+                || vec![0.0; grid.cell_count()],
+                |background| {
+                    let bins: Vec<f32> = background.bins(grid.size).iter().map(|power| *power as f32).collect();
+                    super::grid::powers(&grid.cells, &bins)
+                },
+            );
+            parts.push(Part { grid, spectra, noise, background });
         };
         for size in [512usize, 2048] {
             let hop = size / 4;
@@ -216,7 +227,7 @@ impl Part {
         whole_loudness: f32,
         total: &mut Slope,
     ) -> Split {
-        let mut powers = vec![0.0f32; self.grid.cell_count()];
+        let mut powers = self.background.clone();
         for (band, its) in noise.iter().enumerate().filter(|(_, its)| its.weight > 0.0) {
             let (first, shares) = self.noise.powers(band, frame);
             let power = (its.weight * its.weight) as f32 * fall(band, frame).0;

@@ -7,8 +7,10 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
+use super::doubt::{LEAST_MODES, LEAST_SHARE};
 use super::interval::Interval;
 use super::ringing::RingingMode;
+use crate::random::SplitMix64;
 
 /// A solid of uniform thickness, free all round.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +51,14 @@ const MISSING: f64 = 0.25;
 pub(super) const LEAST_LEVEL_DB: f64 = -45.0;
 /// Range in pascals in which Young's modulus is looked for.
 pub(super) const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
+/// Number of trials with modes at other frequencies.
+const TRIALS: usize = 200;
+/// Largest move of a mode's frequency in a trial, in natural logarithms.
+const MOVED: f64 = 0.2;
+/// Largest share of trials that stand as near for the modes to be those of the solid.
+///
+/// `cargo test -p fit --lib material::doubt -- --nocapture` prints how many random bodies it tells.
+pub(super) const MOST_CHANCE: f64 = 0.3;
 /// Least standard deviation of ln E: Poisson's ratio, thickness and ends are not exactly known.
 const LEAST_SPREAD: f64 = 0.01;
 
@@ -61,6 +71,8 @@ pub struct Modulus {
     pub modes: usize,
     /// Share of the energy of all recorded modes that they have, 0 to 1.
     pub share: f64,
+    /// Share of trials in which modes at other frequencies stand as near to the solid's, 0 to 1.
+    pub chance: f64,
 }
 
 /// A recorded mode beside one of the solid.
@@ -71,18 +83,14 @@ struct Match<'a> {
     mode: &'a RingingMode,
 }
 
-/// Young's modulus of a solid whose modes are recorded, with its range.
+/// Places of a solid's series among recorded modes, each with its score.
 ///
-/// Bars are those of Timoshenko with a Poisson's ratio of 0.3. Within 3 % for bars up to a
-/// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
-/// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
-pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
-    let series = series(solid);
-    let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();
+/// Frequencies are `scale` times the numbers of the series; a scale is one at which some recorded
+/// mode is one of the solid's lowest.
+fn places<'a>(heard: &[&'a RingingMode], series: &[f64], solid: Solid) -> Vec<(f64, Vec<Match<'a>>)> {
     let highest_hz = heard.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
     let weight = |mode: &RingingMode| 10f64.powf(mode.level_db / 40.0);
-    // Frequencies are `scale` times the numbers of the series.
-    let matched = |scale: f64| -> (f64, Vec<Match<'_>>) {
+    let matched = |scale: f64| -> (f64, Vec<Match<'a>>) {
         let (mut score, mut found) = (0.0, Vec::new());
         for number in series.iter().filter(|number| *number * scale < highest_hz * (1.0 + NEAR)) {
             let off = |mode: &RingingMode| (mode.frequency_hz / (number * scale)).ln();
@@ -100,20 +108,65 @@ pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
     };
     let scales = heard.iter().flat_map(|mode| series.iter().take(FIRST).map(|number| mode.frequency_hz / number));
     let possible = scales.filter(|scale| MODULI_PA.contains(&modulus(solid, *scale)));
-    let best = possible.map(matched).filter(|(_, found)| !found.is_empty()).max_by(|a, b| a.0.total_cmp(&b.0))?.1;
-    let weights: f64 = best.iter().map(|found| found.weight).sum();
-    let mean = best.iter().map(|found| found.weight * found.scale.ln()).sum::<f64>() / weights;
+    possible.map(matched).filter(|(_, found)| !found.is_empty()).collect()
+}
+
+/// Scores of a solid's best place among modes at other frequencies, lowest first.
+///
+/// Each trial moves every recorded mode by up to [`MOVED`], and keeps its level.
+fn chance_scores(heard: &[&RingingMode], series: &[f64], solid: Solid) -> Vec<f64> {
+    let mut random = SplitMix64(1);
+    let trial = |_| {
+        let moved = |mode: &&RingingMode| RingingMode {
+            frequency_hz: mode.frequency_hz * (MOVED * (2.0 * random.uniform() - 1.0)).exp(),
+            ..**mode
+        };
+        let moved: Vec<RingingMode> = heard.iter().map(moved).collect();
+        let moved: Vec<&RingingMode> = moved.iter().collect();
+        places(&moved, series, solid).iter().map(|place| place.0).fold(f64::MIN, f64::max)
+    };
+    let mut scores: Vec<f64> = (0..TRIALS).map(trial).collect();
+    scores.sort_by(f64::total_cmp);
+    scores
+}
+
+/// Young's modulus of a solid whose modes are recorded, with its range.
+///
+/// Bars are those of Timoshenko with a Poisson's ratio of 0.3. Within 3 % for bars up to a
+/// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
+/// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
+///
+/// Where the modes do not tell the solid from another body (`Doubt`), the range holds all moduli
+/// at which they stand half as near as at best, or as near as modes at other frequencies do.
+pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
+    let series = series(solid);
+    let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();
+    let places = places(&heard, &series, solid);
+    let (score, best) = places.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mean_of = |found: &[Match<'_>]| {
+        let weights: f64 = found.iter().map(|found| found.weight).sum();
+        (found.iter().map(|found| found.weight * found.scale.ln()).sum::<f64>() / weights, weights)
+    };
+    let (mean, weights) = mean_of(best);
     let variance = best.iter().map(|found| found.weight * (found.scale.ln() - mean).powi(2)).sum::<f64>() / weights;
     // E grows as the square of the frequencies.
     let spread = 1.645 * (4.0 * variance / best.len() as f64).sqrt().max(LEAST_SPREAD);
     let estimate = modulus(solid, mean.exp());
     let energy = |mode: &RingingMode| 10f64.powf(mode.level_db / 10.0);
-    Some(Modulus {
-        pascals: Interval { estimate, low: estimate * (-spread).exp(), high: estimate * spread.exp() },
-        modes: best.len(),
-        share: best.iter().map(|found| energy(found.mode)).sum::<f64>()
-            / heard.iter().copied().map(energy).sum::<f64>(),
-    })
+    let scores = chance_scores(&heard, &series, solid);
+    let chance = scores.iter().filter(|of_trial| *of_trial >= score).count() as f64 / TRIALS as f64;
+    let [mut low, mut high] = [estimate * (-spread).exp(), estimate * spread.exp()];
+    let share =
+        best.iter().map(|found| energy(found.mode)).sum::<f64>() / heard.iter().copied().map(energy).sum::<f64>();
+    if chance > MOST_CHANCE || best.len() < LEAST_MODES || share < LEAST_SHARE {
+        let least = scores[TRIALS / 2].min(0.5 * score);
+        for (_, found) in places.iter().filter(|place| place.0 >= least) {
+            let other = modulus(solid, mean_of(found).0.exp());
+            low = low.min(other * (-spread).exp());
+            high = high.max(other * spread.exp());
+        }
+    }
+    Some(Modulus { pascals: Interval { estimate, low, high }, modes: best.len(), share, chance })
 }
 
 /// Young's modulus at which a solid's frequencies are `scale` times its series.

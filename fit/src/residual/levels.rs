@@ -5,6 +5,7 @@
 //! Noise that would fit only by chance is penalised by its scatter.
 
 use super::spread;
+use crate::background::Background;
 use crate::band::{Band, highest_hz};
 use crate::distance::{Spectrogram, band_power, erb_edges_hz, lead};
 use crate::error::FitError;
@@ -63,9 +64,10 @@ pub fn fit_bands(
     rate_hz: f64,
     edges_hz: &[f64],
 ) -> Result<Vec<Band>, FitError> {
+    let background = Background::under(before, recording, rate_hz);
     let lead = lead(before, BEFORE);
     let [recording, model] = [recording, model].map(|sound| [&lead, sound].concat());
-    let levels = Levels::new(&recording, &model, rate_hz, edges_hz)?;
+    let levels = Levels::new(&recording, &model, background.as_ref(), rate_hz, edges_hz)?;
     let mut weights = levels.counts.clone();
     let mut bands = vec![Noise::NONE; edges_hz.len().saturating_sub(1)];
     for _ in 0..PASSES {
@@ -123,7 +125,15 @@ struct Levels {
 
 impl Levels {
     /// Levels of sounds that begin `BEFORE` samples before the strike.
-    fn new(recording: &[f64], model: &[f64], rate_hz: f64, edges_hz: &[f64]) -> Result<Self, FitError> {
+    ///
+    /// The steady background counts as part of the model, so that no band of the residual fills it.
+    fn new(
+        recording: &[f64],
+        model: &[f64],
+        background: Option<&Background>,
+        rate_hz: f64,
+        edges_hz: &[f64],
+    ) -> Result<Self, FitError> {
         let spectrogram = Spectrogram::new(WINDOW);
         let count = spectrogram.frame_count(recording.len()).min(spectrogram.frame_count(model.len()));
         let step = (count / LATER_FRAMES).max(1);
@@ -140,7 +150,13 @@ impl Levels {
             };
             edges.windows(2).map(of_band).collect()
         };
-        let (wanted, model) = (powers(recording), powers(model));
+        let (wanted, mut model) = (powers(recording), powers(model));
+        if let Some(background) = background.map(|background| background.bins(WINDOW)) {
+            for (powers, edge) in model.iter_mut().zip(edges.windows(2)) {
+                let steady = band_power(&background, edge[0], edge[1]);
+                powers.iter_mut().for_each(|power| *power += steady);
+            }
+        }
         let floor = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) * FLOOR;
         let window: Vec<f64> =
             (0..WINDOW).map(|n| (std::f64::consts::PI * n as f64 / WINDOW as f64).sin().powi(4)).collect();

@@ -10,6 +10,7 @@ use nalgebra::Complex;
 use super::audible::{Chosen, are_one};
 use super::loudest::with_partials;
 use super::noise::noise_of;
+use crate::background::Background;
 use crate::band::usual_edges_hz;
 use crate::hearing::{Loudness, Partial, Partials};
 use crate::joint::{Descent, HELD, LOUDEST, Sounding, cancel};
@@ -65,6 +66,8 @@ pub(super) struct Heard<'a> {
     pub(super) last: usize,
     pub(super) rate_hz: f64,
     pub(super) force: &'a [f64],
+    /// Steady sound under the strike, which is none of its modes and noise.
+    pub(super) background: Option<&'a Background>,
 }
 
 impl Heard<'_> {
@@ -83,12 +86,21 @@ impl Heard<'_> {
         if left < LITTLE
             && let Some(exact) = self.exact(settings)
         {
-            return Some(Near::Exact(exact));
+            let (poles, gains) = exact;
+            return self.over_background(poles, gains).map(Near::Exact);
         }
         let edges_hz = usual_edges_hz(self.rate_hz);
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
-        let mut descent =
-            Descent::new(self.samples, self.onset, self.last, self.rate_hz, self.force, &edges_hz, fastest);
+        let mut descent = Descent::new(
+            self.samples,
+            self.onset,
+            self.last,
+            self.rate_hz,
+            self.force,
+            &edges_hz,
+            self.background,
+            fastest,
+        );
         let mut nearest = (descent.run(&start, PROBING).1, start);
         let sounding = |modes: &[DampedSine]| Some(self.start_of(modes, &partials, settings)?.0);
         if let Some(apart) = apart
@@ -102,7 +114,26 @@ impl Heard<'_> {
         let fuller = self.fuller(&nearest.1.poles, settings);
         is_nearer(&mut descent, &mut nearest, fuller.and_then(|modes| sounding(&modes)));
         let (near, _) = descent.run(&nearest.1, STEPS);
-        Some(Near::Approached(audible_of(near)))
+        let Sounding { poles, gains, bands } = audible_of(near);
+        let (poles, gains) = self.over_background(poles, gains)?;
+        Some(Near::Approached(Sounding { poles, gains, bands }))
+    }
+
+    /// Modes that stand out of the background where they begin; `None` without any.
+    ///
+    /// Without a background all modes are kept.
+    fn over_background(&self, poles: Vec<Pole>, mut gains: Gains) -> Option<(Vec<Pole>, Gains)> {
+        let Some(background) = self.background else { return Some((poles, gains)) };
+        let strike = self.strike();
+        let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
+        let is_over = |(pole, gain): &(Pole, Complex<f64>)| {
+            let amplitude = (gain * Basis::new(*pole, &stretch).after_force()).norm();
+            background.is_over(pole.frequency_hz(self.rate_hz), pole.decay_per_s(self.rate_hz), amplitude)
+        };
+        let pairs = poles.into_iter().zip(gains.modes);
+        let poles: Vec<Pole>;
+        (poles, gains.modes) = pairs.filter(is_over).unzip();
+        (!poles.is_empty()).then_some((poles, gains))
     }
 
     /// Modes with further ones in the place of those that were dropped because they cancel.
@@ -191,7 +222,13 @@ impl Heard<'_> {
         settings: Settings,
     ) -> Option<(Sounding, f64)> {
         // A refinement may leave drifts and clicks behind, which are no modes.
-        let modes = modes.iter().filter(|mode| is_mode(mode, self.rate_hz, settings)).copied().collect();
+        let is_over = |mode: &&DampedSine| {
+            let over =
+                |background: &Background| background.is_over(mode.frequency_hz, mode.decay_per_s, mode.amplitude);
+            self.background.is_none_or(over)
+        };
+        let modes = modes.iter().filter(|mode| is_mode(mode, self.rate_hz, settings)).filter(is_over);
+        let modes = modes.copied().collect();
         let modes = with_partials(modes, partials, self.strike(), self.rate_hz, settings.most_modes);
         self.start(self.poles(&modes))
     }
@@ -299,7 +336,7 @@ impl Heard<'_> {
             } else {
                 rest.copy_from_slice(&left);
             }
-            let bands = noise_of(whole.samples, &rest, self.rate_hz);
+            let bands = noise_of(whole.samples, &rest, self.background, self.rate_hz);
             return Some((Sounding { gains: model.gains.into_iter().next()?, poles, bands }, share));
         }
         None

@@ -1,5 +1,6 @@
 //! Noise with which the descent begins: what the modes leave, in bands.
 
+use crate::background::Background;
 use crate::band::{Band, usual_edges_hz};
 use crate::distance::{Spectrogram, band_power};
 
@@ -18,10 +19,11 @@ const LEVELS: u32 = 17;
 /// Distance of these levels in dB.
 const LEVEL_DB: f64 = 5.0;
 
-/// Noise in bands that brings a model's levels nearest to the recording's, in decibels.
+/// Noise in bands that brings the levels of a model in a background nearest to the recording's, in
+/// decibels.
 ///
 /// Of every band's levels and decays on a coarse grid the best is taken: a start for the descent.
-pub(super) fn noise_of(recording: &[f64], left: &[f64], rate_hz: f64) -> Vec<Band> {
+pub(super) fn noise_of(recording: &[f64], left: &[f64], background: Option<&Background>, rate_hz: f64) -> Vec<Band> {
     let spectrogram = Spectrogram::new(FRAME);
     let bins = spectrogram.bin_count();
     let count = spectrogram.frame_count(recording.len());
@@ -46,8 +48,10 @@ pub(super) fn noise_of(recording: &[f64], left: &[f64], rate_hz: f64) -> Vec<Ban
     let wanted: Vec<Vec<f64>> = edges_hz.windows(2).map(|edge| powers(&wanted, edge)).collect();
     let loudest = wanted.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
     let floor = FLOOR * loudest;
+    let background = background.map_or_else(|| vec![0.0; bins], |background| background.bins(FRAME));
     let bands = edges_hz.windows(2).zip(&wanted).map(|(edge, wanted)| {
-        let given = powers(&given, edge);
+        let steady = powers(&background, edge)[0];
+        let given: Vec<f64> = powers(&given, edge).iter().map(|power| power + steady).collect();
         let mut best = (f64::INFINITY, 0.0, 100.0);
         for decay_db_per_s in DECAYS_DB_PER_S {
             let falls: Vec<f64> =

@@ -4,6 +4,7 @@ use nalgebra::Complex;
 
 use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use super::near::{Heard, Near};
+use crate::background::Background;
 use crate::bins;
 use crate::contact::{contact_time_s, force};
 use crate::distance::{RecordedLevels, lsd_window};
@@ -43,7 +44,10 @@ pub fn fit_sound(samples: &[f64], rate_hz: f64, hits: &[Hit], settings: Settings
     }
     if let (true, Some(hit), Some(force)) = (settings.polish, hits.get(loudest), forces.get(loudest)) {
         let end = hit.onset + heard.get(loudest).map_or(0, |sound| sound.len());
-        let near = Heard { samples, onset: hit.onset, end, last: hit.end, rate_hz, force };
+        let (before, strike) = samples[..hit.end.min(samples.len())].split_at(hit.onset);
+        let background = Background::under(before, strike, rate_hz);
+        let background = background.as_ref();
+        let near = Heard { samples, onset: hit.onset, end, last: hit.end, rate_hz, force, background };
         if let Some(near) = near.near(settings.modes) {
             let is_exact = matches!(near, Near::Exact(_));
             let (poles, gains, noise) = match near {

@@ -114,6 +114,41 @@ fn a_strike_cut_off_at_full_scale_is_refused() {
     assert!((raised / plain - 1.0).abs() < 0.3, "{plain} % and {raised} % with an offset");
 }
 
+/// A strike whose peaks above or below a share of the largest one are cut off.
+fn cut_off(sound: &[f64], share: f64, sides: [bool; 2]) -> Vec<f64> {
+    let limit = share * sound.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let [low, high] = [if sides[0] { -limit } else { f64::MIN }, if sides[1] { limit } else { f64::MAX }];
+    sound.iter().map(|x| x.clamp(low, high)).collect()
+}
+
+#[test]
+fn a_strike_with_one_flat_peak_is_refused_at_every_rate() {
+    let folder = TempDir::new().expect("a folder");
+    for rate_hz in [44_100, 96_000] {
+        let sound = strike(f64::from(rate_hz), 0.1, 1.0);
+        let refusal = |sound: Vec<f64>| fit(&wave(&folder, "flat.wav", rate_hz, &[sound])).err();
+        assert!(refusal(sound.clone()).is_none());
+        for sides in [[true, true], [false, true], [true, false]] {
+            let error = refusal(cut_off(&sound, 0.8, sides)).expect("it is clipped");
+            assert!(matches!(error, FitError::Clipped { percent, .. } if percent < 10.0), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_clipped_strike_beside_the_chosen_one_does_not_refuse_it() {
+    let folder = TempDir::new().expect("a folder");
+    let sound = strike(44_100.0, 0.1, 1.0);
+    let both = [cut_off(&sound, 0.8, [true, true]), sound.iter().map(|x| 0.5 * x).collect()].concat();
+    let path = wave(&folder, "two.wav", 44_100, &[both]);
+    let error = fit(&path).expect_err("the first strike is clipped");
+    assert!(error.to_string().contains("the strike at 0.100 s") && error.to_string().contains("choose other"));
+    let options = Options { hits: vec![2], ..Options::default() };
+    let worker = std::thread::Builder::new().stack_size(64 << 20);
+    let work = worker.spawn(move || fit_file(&path, &options)).expect("a thread can be started");
+    has_three_modes(&work.join().expect("it does not panic").expect("the second strike is not clipped"));
+}
+
 #[test]
 fn rates_that_the_instrument_does_not_play_are_refused_before_a_fit() {
     let folder = TempDir::new().expect("a folder");
@@ -180,7 +215,8 @@ fn two_minutes_of_a_longer_file_are_read_with_a_note() {
 #[test]
 fn strikes_that_are_too_close_are_taken_for_bounces() {
     let folder = TempDir::new().expect("a folder");
-    let once = strike(44_100.0, 0.1, 1.0);
+    // Half as loud as other strikes here, so that the second one is not clipped.
+    let once: Vec<f64> = strike(44_100.0, 0.1, 1.0).iter().map(|x| 0.5 * x).collect();
     let mut twice = once.clone();
     for (n, x) in once.iter().enumerate().take(once.len() - 1_500) {
         twice[n + 1_500] = 0.3 * twice[n + 1_500] + if n > 4_400 { 1.5 * x } else { 0.0 };
@@ -236,4 +272,72 @@ fn many_strikes_with_a_constant_offset_leave_no_more_than_those_without() {
     assert!(plain.modes.len().abs_diff(raised.modes.len()) <= 1, "{} {}", plain.modes.len(), raised.modes.len());
     assert_eq!(plain.strikes.len(), raised.strikes.len());
     assert!((plain.left_dbfs - raised.left_dbfs).abs() < 0.05, "{} {}", plain.left_dbfs, raised.left_dbfs);
+}
+
+/// A strike behind 0.5 s, in another sound that lasts throughout.
+fn strike_in(steady: impl Fn(usize) -> f64) -> Vec<f64> {
+    strike(44_100.0, 0.5, 2.5).iter().enumerate().map(|(n, x)| x + steady(n)).collect()
+}
+
+/// Rms at its strike of all noise that a table has, in dBFS.
+fn residual_dbfs(fitted: &Fitted) -> f64 {
+    let power: f64 = fitted.report.residual_bands.iter().map(|band| band.weight * band.weight).sum();
+    10.0 * power.max(1e-12).log10()
+}
+
+#[test]
+fn noise_that_lasts_throughout_becomes_neither_modes_nor_a_residual() {
+    let folder = TempDir::new().expect("a folder");
+    for level_dbfs in [-40.0, -60.0] {
+        let hiss = noise(110_250, level_dbfs);
+        let path = wave(&folder, "hiss.wav", 44_100, &[strike_in(|n| hiss[n])]);
+        let fitted = fit(&path).expect("a strike");
+        has_three_modes(&fitted);
+        let Fitted { fit, report, .. } = &fitted;
+        // Short modes of the noise that are louder than its mean may stay; they are no hiss.
+        let rings_on = fit.modes.iter().any(|mode| mode.t60_s() > 7.0);
+        assert!(fit.modes.len() < 12 && !rings_on, "{level_dbfs} dBFS: {:?}", fit.modes);
+        // A band takes up a little of what the noise is louder there than before the strike.
+        let slow = report.residual_bands.iter().filter(|band| band.decay_db_per_s < 10.0);
+        let power: f64 = slow.map(|band| band.weight * band.weight).sum();
+        assert!(10.0 * power.max(1e-12).log10() < level_dbfs - 10.0, "{:?}", report.residual_bands);
+        let note = format!("a steady noise of {level_dbfs:.0} dBFS lies under the strike");
+        assert!(report.notes.iter().any(|told| told.contains(&note)), "{:?}", report.notes);
+    }
+}
+
+#[test]
+fn noise_of_the_strike_stays_in_the_residual_over_a_steady_one() {
+    let folder = TempDir::new().expect("a folder");
+    let (own, hiss) = (noise(110_250, -26.0), of_these(Vec::new(), 110_250, 8, -50.0).samples);
+    // A reverberation of 0.8 s.
+    let fades = |n: usize| 10f64.powf(-3.0 * n as f64 / 44_100.0 / 0.8);
+    let reverberant = |n: usize| n.checked_sub(22_050).map_or(0.0, |since| fades(since) * own[n]);
+    let path = wave(&folder, "both.wav", 44_100, &[strike_in(|n| reverberant(n) + hiss[n])]);
+    let fitted = fit(&path).expect("a strike");
+    let level_dbfs = residual_dbfs(&fitted);
+    assert!((level_dbfs + 26.0).abs() < 3.0, "{level_dbfs} dBFS");
+    let loud = fitted.report.residual_bands.iter().filter(|band| band.weight > 1e-3);
+    assert!(loud.clone().count() > 20 && loud.clone().all(|band| band.decay_db_per_s > 40.0), "{:?}", fitted.report);
+}
+
+#[test]
+fn hum_of_mains_is_taken_off_with_a_note_and_is_no_mode() {
+    let folder = TempDir::new().expect("a folder");
+    let tone = |n: usize, hz: f64, peak: f64| peak * (TAU * hz * n as f64 / 44_100.0 + hz).sin();
+    let hiss = noise(110_250, -80.0);
+    let hum = |n: usize| tone(n, 50.02, 0.01) + tone(n, 100.04, 0.006) + tone(n, 150.06, 0.004) + hiss[n];
+    let fitted = fit(&wave(&folder, "hum.wav", 44_100, &[strike_in(hum)])).expect("a strike");
+    has_three_modes(&fitted);
+    // What is left of the tones is softer than the strike by 80 dB, and the hum was by 28 dB.
+    let gain = |mode: &fit::strike::Mode| mode.gains[0][0].hypot(mode.gains[0][1]);
+    let strongest = fitted.fit.modes.iter().map(gain).fold(0.0, f64::max);
+    let is_left = |mode: &fit::strike::Mode| mode.frequency_hz < 400.0 && gain(mode) > 1e-4 * strongest;
+    assert!(!fitted.fit.modes.iter().any(is_left), "{:?}", fitted.fit.modes);
+    let told = "are taken off: 50.0 Hz at -43 dBFS, 100.0 Hz at -47 dBFS, 150.1 Hz at -51 dBFS";
+    assert!(fitted.report.notes.iter().any(|note| note.ends_with(told)), "{:?}", fitted.report.notes);
+    // Without a time before the strike nothing tells what is steady.
+    let sound = strike_in(hum).split_off(22_000);
+    let fitted = fit(&wave(&folder, "at-once.wav", 44_100, &[sound])).expect("a strike");
+    assert!(!fitted.report.notes.iter().any(|note| note.contains("steady")), "{:?}", fitted.report.notes);
 }

@@ -144,7 +144,7 @@ fn by_reference_with_noise(table: &kit::Kit) -> Recording {
         let noise = ((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5) * 12f64.sqrt();
         *sample += 0.5 * 10f64.powf(-70.0 / 20.0) * noise;
     }
-    Recording { samples, offset: 0.0, force: None, rate_hz: RATE_HZ, notes: Vec::new() }
+    Recording { samples, offset: 0.0, force: None, flat_tops: Vec::new(), rate_hz: RATE_HZ, notes: Vec::new() }
 }
 
 #[test]
