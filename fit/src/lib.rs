@@ -26,7 +26,6 @@ pub mod synthetic;
 pub mod table;
 
 mod analytic;
-mod background;
 mod band;
 mod clipping;
 mod convolution;

@@ -6,8 +6,8 @@ use kit::counting::counted;
 use serde::Serialize;
 
 use crate::audio::{self, Recording};
-use crate::background::Background;
 use crate::contact;
+use crate::distance::Background;
 use crate::distance::lsd_window;
 use crate::error::FitError;
 use crate::hearing::{Heard, Scores};
@@ -214,8 +214,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         ),
         licence: options.licence.clone(),
     };
-    let heard = &recording.samples[strike.hit.onset..strike.hit.end];
-    if let Some(background) = Background::under(&recording.samples[..strike.hit.onset], heard, recording.rate_hz) {
+    let (before, ringing) = recording.samples[..strike.hit.end].split_at(strike.hit.onset);
+    if let Some(background) = Background::under(before, ringing, recording.rate_hz) {
         recording.notes.push(audio::Note::Background { level_dbfs: 20.0 * background.rms().log10() });
     }
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];

@@ -1,11 +1,13 @@
 //! Distances between sounds.
 
+mod background;
 mod erb;
 mod gradient;
 mod lsd;
 mod spectrogram;
 mod strike;
 
+pub(crate) use background::Background;
 pub use erb::{ERB_BANDS, ErbLevels};
 pub(crate) use erb::{band_power, erb_edges_hz, erb_edges_up_to_hz};
 pub(crate) use gradient::Target;

@@ -7,9 +7,9 @@
 
 use std::borrow::Cow;
 
+use super::background::Background;
 use super::erb::{self, ErbLevels};
 use super::lsd::{self, LONGEST_WINDOW, lsd_window};
-use crate::background::Background;
 
 /// Distances of a sound from a recording.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

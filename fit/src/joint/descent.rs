@@ -4,8 +4,8 @@ use fourier::Complex;
 
 use super::cancelling::part_cancelling;
 use super::objective::{BandSlope, Objective};
-use crate::background::Background;
 use crate::band::Band;
+use crate::distance::Background;
 use crate::modes::{Gains, Pole};
 
 /// First steps of a mode: two of its gain, relative to it, of its frequency, in units of
@@ -62,12 +62,11 @@ impl Moment {
 impl Descent {
     /// A descent for the strike in `sound` that begins at sample `onset` and ends before `end`.
     ///
-    /// The force drives the modes from the onset on. `fastest_decay` is per sample.
-    /// The background is a part of the sound that nothing moves.
+    /// The force drives the modes from the onset on. `fastest_decay` is per sample. The background
+    /// is a part of the sound that nothing moves.
     pub(crate) fn new(
         sound: &[f64],
-        onset: usize,
-        end: usize,
+        (onset, end): (usize, usize),
         rate_hz: f64,
         force: &[f64],
         noise_edges_hz: &[f64],

@@ -3,18 +3,10 @@
 use std::fmt;
 
 use super::ringing::RingingMode;
-use super::solid::{LEAST_LEVEL_DB, MODULI_PA, MOST_CHANCE, Modulus, Solid};
+use super::solid::{LEAST_LEVEL_DB, LEAST_MODES, LEAST_SHARE, MODULI_PA, MOST_CHANCE, Modulus, Solid};
 
 /// Young's moduli that solids have, in pascals: from the softest rubber to diamond.
 const REAL_PA: std::ops::RangeInclusive<f64> = 1e5..=1.2e12;
-/// Least number of modes that stand where those of the solid do.
-pub(super) const LEAST_MODES: usize = 2;
-/// Least share of the energy that these modes have.
-///
-/// `cargo test -p fit --lib material::doubt -- --nocapture` prints how many of random bars and
-/// discs, with up to five modes of other kinds, stay below it, and how many of other bodies do.
-pub(super) const LEAST_SHARE: f64 = 0.6;
-
 /// Reason to doubt a Young's modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {

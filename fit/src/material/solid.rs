@@ -7,7 +7,6 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-use super::doubt::{LEAST_MODES, LEAST_SHARE};
 use super::interval::Interval;
 use super::ringing::RingingMode;
 use crate::random::SplitMix64;
@@ -49,6 +48,13 @@ const NEAR: f64 = 0.02;
 const MISSING: f64 = 0.25;
 /// Least level in dB of a mode that counts.
 pub(super) const LEAST_LEVEL_DB: f64 = -45.0;
+/// Least number of modes that stand where those of the solid do.
+pub(super) const LEAST_MODES: usize = 2;
+/// Least share of the energy that these modes have.
+///
+/// `cargo test -p fit --lib material::doubt -- --nocapture` prints how many of random bars and
+/// discs, with up to five modes of other kinds, stay below it, and how many of other bodies do.
+pub(super) const LEAST_SHARE: f64 = 0.6;
 /// Range in pascals in which Young's modulus is looked for.
 pub(super) const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
 /// Number of trials with modes at other frequencies.
@@ -136,8 +142,8 @@ fn chance_scores(heard: &[&RingingMode], series: &[f64], solid: Solid) -> Vec<f6
 /// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
 /// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
 ///
-/// Where the modes do not tell the solid from another body (`Doubt`), the range holds all moduli
-/// at which they stand half as near as at best, or as near as modes at other frequencies do.
+/// The range holds all moduli at which the modes stand half as near as at best, or as near as modes
+/// at other frequencies do, where they do not tell the solid from another body (`Doubt`).
 pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
     let series = series(solid);
     let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();

@@ -8,7 +8,7 @@ use super::contact::Contact;
 use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
 use super::free::FreeModes;
-use super::heard::{contradicts_sound, with_heard_times};
+use super::heard::{contradicts_sound, heard_times, with_held_times};
 use super::layout::Layout;
 use super::model::Model;
 use super::places::starts_at_places;
@@ -25,8 +25,6 @@ const EXPLAINED: f64 = 1.1;
 /// The ringing behind contacts is nearly the same for other contact times with other gains, and a
 /// recording has far more samples of it.
 const CONTACTS_EXPLAINED: f64 = 2.0;
-/// Number of aligned models that are tried with contact times as they are heard.
-const HELD: usize = 8;
 /// Number of starts, each from the gains of another strike.
 const STARTS: usize = 3;
 /// Least ratio of the contact times of two starting models' strongest strikes, if they are at one
@@ -72,9 +70,11 @@ pub(super) fn begun(
         return Ok(at_best_time(best, samples, &Whitening::none()).fitted);
     }
     let starts = started(samples, free, (onsets, usable), rate_hz, (layout, 0));
-    // A strike's time is heard near its beginning, where it is aligned to.
-    let starts = apart(&starts, samples, rate_hz).into_iter().take(HELD);
-    let held: Vec<Model> = starts.filter_map(|start| with_heard_times(&start, samples, rate_hz)).collect();
+    // Times are heard alike near the beginnings of all starts.
+    let heard =
+        apart(&starts, samples, rate_hz).into_iter().next().and_then(|start| heard_times(&start, samples, rate_hz));
+    let held: Vec<Model> =
+        heard.iter().flat_map(|times| starts.iter().map(|start| with_held_times(start, times))).collect();
     let held = nearest(&held, samples, free.variance, rate_hz, &|_| {}).unwrap_or(best);
     Ok(at_best_time(held, samples, &Whitening::none()).fitted)
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::synthetic::{StruckOften, plain};
+use super::synthetic::{StruckOften, plain, render};
 use super::{Estimate, Layout, StrikesError, estimate, estimate_in_place};
 use crate::modes::Settings;
 use crate::random::SplitMix64;
@@ -145,4 +145,33 @@ fn noiseless_recording_fitted_in_place_gives_the_same_fit_and_comes_back() {
     let in_place = in_place.expect("strikes are told");
     assert_eq!((copied.strikes, copied.modes), (in_place.strikes, in_place.modes));
     assert!(samples.iter().zip(&sound.samples).all(|(x, y)| (x - y).abs() < 1e-15));
+}
+
+/// Strikes on modes that are the louder the higher they are; all alike and 1 ms long if asked for.
+fn on_high_modes(seed: u64, are_alike: bool) -> StruckOften {
+    let StruckOften { mut modes, mut strikes, .. } = plain(seed, 6.0, 10, -60.0);
+    for (index, mode) in modes.iter_mut().enumerate() {
+        let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
+        mode.gain = [sign * mode.frequency_hz / 1_000.0, 0.0];
+    }
+    if are_alike {
+        for strike in &mut strikes {
+            (strike.contact_time_s, strike.peak_force) = (1e-3, 1.0);
+        }
+    }
+    let mut random = SplitMix64(seed);
+    render(modes, strikes, 6.0, -60.0, |length| (0..length).map(|_| random.normal()).collect())
+}
+
+#[test]
+fn contact_times_are_right_where_the_highest_modes_are_the_loudest() {
+    for (seed, are_alike) in [(1, true), (2, true), (5, true), (6, false)] {
+        let sound = on_high_modes(seed, are_alike);
+        let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
+        assert_eq!(found(&sound, &fit), (10, 10), "seed {seed}");
+        for (found, truth) in fit.strikes.iter().zip(&sound.strikes) {
+            let ratio = found.contact_time_s / truth.contact_time_s;
+            assert!((ratio - 1.0).abs() < 0.01, "seed {seed}: {found:?} {truth:?}");
+        }
+    }
 }

@@ -22,10 +22,8 @@ const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
 const TRIED: usize = 40;
 /// Number of contact times on either side of each to which the strikes are followed.
 const FOLLOWED: i32 = 2;
-/// Ratio of neighbouring contact times: a fifth of the way from one look to the next.
-///
-/// A mode's answer to a contact has zeros a period of the mode apart. Of modes at 5 kHz and contacts
-/// of 1 ms they lie 20 % apart, and fits from times that far apart ended beside the true ones.
+/// Ratio of neighbouring contact times. Zeros of a mode's answer to a contact lie a period of the
+/// mode apart: 20 % of 1 ms at 5 kHz.
 const FINER: f64 = 1.0193;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;
@@ -46,9 +44,9 @@ const STEADY: f64 = 6.0;
 /// Least number of modes that contacts are started from.
 const LEAST_MODES: usize = 4;
 
-/// Starting models from the strikes near `onsets`, one for each contact time tried.
+/// Starting models from the strikes near `onsets`, one for each contact time tried, the best first.
 ///
-/// The best fitting comes first. Gains are at first those of the strongest strike, once `attempt`
+/// Gains are at first those of the strongest strike, once `attempt`
 /// stronger ones are passed over.
 /// Strikes that are not among the usable ones are left out, and those too close to their neighbours
 /// for an amplitude of their own.
@@ -113,8 +111,7 @@ fn steady(changes: &[Change], poles: &[Pole]) -> Vec<Pole> {
 pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, variance: f64) -> Option<Strike> {
     let next = model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize);
     let next = next.filter(|start| *start > at).min().unwrap_or(residual.len());
-    let onsets = [at, next];
-    let stretches = stretches(&onsets[..], Guard::OF_CHANGE, residual.len(), rate_hz);
+    let stretches = stretches(&[at, next], Guard::OF_CHANGE, residual.len(), rate_hz);
     let own = amplitudes(residual, &stretches[..1], &model.poles).pop().filter(|own| !own.is_empty())?;
     let back = at as f64 - stretches[0].start as f64;
     let (mut sums, mut variances) = (Vec::new(), Vec::new());
@@ -167,22 +164,22 @@ fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid:
     let mut gains: Vec<C64> = loud.amplitudes.iter().zip(&strengths).map(|(a, strength)| a / strength).collect();
     let mut spreads: Vec<f64> = loud.variances.iter().zip(&strengths).map(|(v, s)| v / s.norm_sqr()).collect();
     // δ of the first strike is 0: its gains hold the phases, which turn all δ by one amount.
-    let (mut contacts, mut misfit) = (Vec::new(), f64::INFINITY);
+    let (mut contacts, mut left) = (Vec::new(), f64::INFINITY);
     for _ in 0..LOOKS {
         contacts = changes.iter().map(|change| grid.best(change, &gains, &spreads)).collect::<Vec<Contact>>();
-        misfit = grid.in_turn(&mut contacts, changes, &mut gains);
+        left = grid.in_turn(&mut contacts, changes, &mut gains);
         // The next look has gains of all strikes.
         spreads.fill(0.0);
     }
-    let mut found = vec![(misfit, model_of(changes, poles, &contacts, &gains))];
+    let mut found = vec![(left, model_of(changes, poles, &contacts, &gains))];
     for factor in [FINER, 1.0 / FINER] {
         let (mut contacts, mut gains) = (contacts.clone(), gains.clone());
         for step in 1..=FOLLOWED {
             let all_longer = (time * factor.powi(step)).powi(2) - contacts[first].time.powi(2);
             contacts.iter_mut().for_each(|contact| grid.lengthen(contact, all_longer));
             grid.fit_gains(&contacts, changes, &mut gains);
-            let misfit = grid.in_turn(&mut contacts, changes, &mut gains);
-            found.push((misfit, model_of(changes, poles, &contacts, &gains)));
+            let left = grid.in_turn(&mut contacts, changes, &mut gains);
+            found.push((left, model_of(changes, poles, &contacts, &gains)));
         }
     }
     found
@@ -268,8 +265,8 @@ impl Grid {
             let left = (0..IMPROVED).fold(f64::INFINITY, |_, _| self.improve(&mut contact, change, gains));
             (left, contact)
         };
-        let found = best.into_iter().take(LOOKED_AT).map(improved);
-        found.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(nothing, |(_, contact)| contact)
+        let found = best.into_iter().take(LOOKED_AT).map(improved).min_by(|a, b| a.0.total_cmp(&b.0));
+        found.map_or(nothing, |(_, contact)| contact)
     }
 
     /// Improves contacts and gains in turn; returns what is left of the changes, in units of their

@@ -5,8 +5,8 @@
 //! Noise that would fit only by chance is penalised by its scatter.
 
 use super::spread;
-use crate::background::Background;
 use crate::band::{Band, highest_hz};
+use crate::distance::Background;
 use crate::distance::{Spectrogram, band_power, erb_edges_hz, lead};
 use crate::error::FitError;
 

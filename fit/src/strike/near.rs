@@ -10,8 +10,8 @@ use nalgebra::Complex;
 use super::audible::{Chosen, are_one};
 use super::loudest::with_partials;
 use super::noise::noise_of;
-use crate::background::Background;
 use crate::band::usual_edges_hz;
+use crate::distance::Background;
 use crate::hearing::{Loudness, Partial, Partials};
 use crate::joint::{Descent, HELD, LOUDEST, Sounding, cancel};
 use crate::modes::{
@@ -93,8 +93,7 @@ impl Heard<'_> {
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
         let mut descent = Descent::new(
             self.samples,
-            self.onset,
-            self.last,
+            (self.onset, self.last),
             self.rate_hz,
             self.force,
             &edges_hz,

@@ -1,7 +1,7 @@
 //! Noise with which the descent begins: what the modes leave, in bands.
 
-use crate::background::Background;
 use crate::band::{Band, usual_edges_hz};
+use crate::distance::Background;
 use crate::distance::{Spectrogram, band_power};
 
 /// Number of samples in the frames that measure the noise.

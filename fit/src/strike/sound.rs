@@ -4,9 +4,9 @@ use nalgebra::Complex;
 
 use super::fit::{Estimator, Fit, Mode, Settings, Strike, table_acceleration, table_gain};
 use super::near::{Heard, Near};
-use crate::background::Background;
 use crate::bins;
 use crate::contact::{contact_time_s, force};
+use crate::distance::Background;
 use crate::distance::{RecordedLevels, lsd_window};
 use crate::error::FitError;
 use crate::modes::{Ending, Gains, Group, Model, Pole, Stretch, estimate_poles, polish, refine};

@@ -177,8 +177,8 @@ fn set_reference_forces(kit: &mut kit::Kit) {
 /// Sets each pad's level so that its loudest striker peaks at -6 dBFS at velocity 1.
 ///
 /// Gains of an object are lowered first if a pad's own sound comes near the end of its bus: no
-/// level mends what is clipped before it. Returns names of such objects with the change in dB. Levels
-/// stay at 0 dB if the instrument cannot render the kit.
+/// level mends what is clipped before it. Returns names of such objects with the change in dB.
+/// Levels stay at 0 dB if the instrument cannot render the kit.
 fn set_levels(output: &Path, kit: &mut kit::Kit) -> Vec<(String, f64)> {
     let bar = progress(headroom::strike_count(kit) as u64, "choosing levels");
     let strikes = headroom::of_strikes(kit, RATE, || bar.inc(1));

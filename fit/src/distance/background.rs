@@ -3,7 +3,8 @@
 
 use fourier::Complex;
 
-use crate::distance::{Spectrogram, erb_edges_hz};
+use super::erb::erb_edges_hz;
+use super::spectrogram::Spectrogram;
 use crate::random::SplitMix64;
 use crate::tones::{self, Tone};
 
