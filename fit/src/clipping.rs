@@ -11,8 +11,8 @@ const FLAT: usize = 3;
 const AT_LIMIT: f64 = 0.9999;
 /// Least fall behind or before a flat top, in steps of the recording's resolution.
 ///
-/// A round top of `n` equal samples falls by at most `(1 + 2/n)^2` steps to the sample beside it,
-/// 2.8 for three samples, so that slow and quiet sounds in few bits are not taken for clipped ones.
+/// A round top of `n` equal samples falls by less than `((n + 1)/(n - 1))^2` steps to the sample
+/// beside it, 4 for three samples: slow and quiet sounds in few bits are no clipped ones.
 const LEAST_FALL: f64 = 4.0;
 
 /// Extremes of a sound, at each of which it may be clipped.

@@ -84,7 +84,7 @@ pub enum FitError {
     /// A strike is clipped.
     #[error(
         "clipped: {percent:.1} % of the samples in the loudest part of the strike at {at_s:.3} s stand still at its largest \
-         value; record it at a lower level, or choose other strikes"
+         value; record it at a lower level, or choose other strikes with --hits"
     )]
     Clipped {
         /// Time of the strike in seconds.

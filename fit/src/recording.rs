@@ -38,7 +38,7 @@ pub struct Options {
 /// A fitted recording.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// The recording as it was read.
+    /// The recording as it was read, without steady tones.
     pub recording: Recording,
     /// Fitted object and strikes.
     pub fit: Fit,
@@ -215,7 +215,8 @@ pub fn fit_file(path: &Path, options: &Options) -> Result<Fitted, FitError> {
         licence: options.licence.clone(),
     };
     let (before, ringing) = recording.samples[..strike.hit.end].split_at(strike.hit.onset);
-    if let Some(background) = Background::under(before, ringing, recording.rate_hz) {
+    let is_left_out = recording.force.is_none() && options.strike.estimator == strike::Estimator::Modal;
+    if let Some(background) = Background::under(before, ringing, recording.rate_hz).filter(|_| is_left_out) {
         recording.notes.push(audio::Note::Background { level_dbfs: 20.0 * background.rms().log10() });
     }
     let heard = &recording.samples[strike.hit.onset..strike.hit.end];

@@ -268,7 +268,7 @@ fn check_clipping(recording: &Recording, hits: &[Hit]) -> Result<(), FitError> {
             None => 0,
         };
         if flat > 0 || clipped * 10 > attack.len() {
-            let percent = 100.0 * flat.max(clipped) as f64 / attack.len() as f64;
+            let percent = 100.0 * flat.max(clipped).min(attack.len()) as f64 / attack.len() as f64;
             return Err(FitError::Clipped { at_s: hit.onset as f64 / recording.rate_hz, percent });
         }
     }

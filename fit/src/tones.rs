@@ -127,7 +127,7 @@ mod tests {
     use crate::random::SplitMix64;
 
     #[test]
-    fn hum_is_steady_and_a_mode_that_decays_by_a_fifth_a_second_is_not() {
+    fn hum_is_steady_and_a_mode_that_decays_by_8_db_a_second_is_not() {
         let (rate_hz, onset) = (44_100.0, 22_050.0);
         let mut random = SplitMix64(3);
         let sound: Vec<f64> = (0..110_250)

@@ -1,6 +1,8 @@
 //! Steady sound under a strike, such as hiss or the hum of mains: it sounds before the strike as
 //! loudly as long after it, and so is no part of the struck thing.
 
+use std::ops::Range;
+
 use fourier::Complex;
 
 use super::erb::erb_edges_hz;
@@ -14,6 +16,10 @@ const LEAST_S: f64 = 0.25;
 const LONGEST_S: f64 = 1.0;
 /// Time just before a strike that does not count, in seconds: the onset may be a little late.
 const GAP_S: f64 = 0.005;
+/// Length of a frame in which another strike is looked for, in seconds: a period of 50 Hz.
+const FRAME_S: f64 = 0.02;
+/// Ratio of a frame's power to that of the quietest one from which on something is struck: 10 dB.
+const MOST_RISE: f64 = 10.0;
 /// Number of bands in which the sound before and behind a strike are compared.
 const BANDS: usize = 40;
 /// Lowest edge of these bands in Hz.
@@ -34,11 +40,18 @@ const ROUND: usize = 16;
 /// Seed of a background that is added to renderings.
 const SEED: u64 = 0x6261_636b;
 
-/// The sound before a strike in which a background is heard.
-fn quiet(before: &[f64], rate_hz: f64) -> &[f64] {
+/// Samples before a strike in which a background is heard: those that precede any other strike.
+///
+/// The ringing of an earlier strike may be as loud before this one as at its end.
+fn quiet(before: &[f64], rate_hz: f64) -> Range<usize> {
     let samples = |seconds: f64| (seconds * rate_hz) as usize;
-    let quiet = &before[..before.len().saturating_sub(samples(GAP_S))];
-    &quiet[quiet.len().saturating_sub(samples(LONGEST_S))..]
+    let before = &before[..before.len().saturating_sub(samples(GAP_S))];
+    let size = samples(FRAME_S).max(1);
+    let power = |frame: &[f64]| frame.iter().map(|x| x * x).sum::<f64>();
+    let least = before.chunks_exact(size).map(power).fold(f64::INFINITY, f64::min);
+    let struck = before.chunks_exact(size).position(|frame| power(frame) > MOST_RISE * least);
+    let end = struck.map_or(before.len(), |index| index * size);
+    end.saturating_sub(samples(LONGEST_S))..end
 }
 
 /// Mean power spectrum of the steady sound under a strike.
@@ -58,7 +71,7 @@ impl Background {
     /// last quarter, or if all of it is inaudibly soft.
     pub(crate) fn under(before: &[f64], strike: &[f64], rate_hz: f64) -> Option<Self> {
         let samples = |seconds: f64| (seconds * rate_hz) as usize;
-        let quiet = quiet(before, rate_hz);
+        let quiet = &before[quiet(before, rate_hz)];
         if quiet.len() < samples(LEAST_S) - samples(GAP_S) {
             return None;
         }
@@ -99,8 +112,9 @@ impl Background {
     /// Steady tones of the background, such as the hum of mains.
     pub(crate) fn tones(&self, before: &[f64], strike: &[f64]) -> Vec<Tone> {
         let behind = strike.len() - strike.len() / 4;
-        let gap = ((GAP_S * self.rate_hz) as usize).min(before.len());
-        tones::steady((quiet(before, self.rate_hz), gap), (&strike[behind..], behind), &self.tones_hz(), self.rate_hz)
+        let quiet = quiet(before, self.rate_hz);
+        let gap = before.len() - quiet.end;
+        tones::steady((&before[quiet], gap), (&strike[behind..], behind), &self.tones_hz(), self.rate_hz)
     }
 
     /// Mean power in each bin of Hann frames of `size` samples.

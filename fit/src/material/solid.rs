@@ -165,7 +165,7 @@ pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
     let share =
         best.iter().map(|found| energy(found.mode)).sum::<f64>() / heard.iter().copied().map(energy).sum::<f64>();
     if chance > MOST_CHANCE || best.len() < LEAST_MODES || share < LEAST_SHARE {
-        let least = scores[TRIALS / 2].min(0.5 * score);
+        let least = scores[TRIALS / 2].min(score - 0.5 * score.abs());
         for (_, found) in places.iter().filter(|place| place.0 >= least) {
             let other = modulus(solid, mean_of(found).0.exp());
             low = low.min(other * (-spread).exp());

@@ -27,11 +27,11 @@ const EXPLAINED: f64 = 1.1;
 const CONTACTS_EXPLAINED: f64 = 2.0;
 /// Number of starts, each from the gains of another strike.
 const STARTS: usize = 3;
-/// Least ratio of the contact times of two starting models' strongest strikes, if they are at one
-/// time.
+/// Ratio of the contact times of two models' strongest strikes up to which the models are one, if
+/// their middles are near as well.
 const APART: f64 = 1.1;
-/// Least distance in samples of two starting models' strongest strikes, if their contact times are
-/// near each other. Nearer times are looked for behind the descent.
+/// Distance in samples of these middles up to which they are near. Nearer times are tried behind
+/// the descent.
 const APART_SAMPLES: f64 = 4.0;
 /// Distance in samples up to which two descents ended at one common time.
 const ONE_TIME: f64 = 0.05;
@@ -153,8 +153,8 @@ pub(super) struct AtBestTime {
     pub(super) fitted: Fitted,
     /// Variance of the common time in samples squared, by times that explain nearly as much.
     ///
-    /// Of two times half a sample apart the noise often decides which explains more. The deviation
-    /// about each is a twentieth of the way between them.
+    /// Of two times half a sample apart the noise often decides which explains more, and the
+    /// deviation about either is far shorter than the way between them.
     pub(super) time_variance: f64,
 }
 

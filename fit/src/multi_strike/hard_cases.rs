@@ -3,8 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::synthetic::{StruckOften, plain, render};
-use super::{Estimate, Layout, StrikesError, estimate, estimate_in_place};
+use super::synthetic::{StruckOften, TrueStrike, plain, render};
+use super::{Estimate, Layout, StrikeEstimate, StrikesError, estimate, estimate_in_place};
 use crate::modes::Settings;
 use crate::random::SplitMix64;
 
@@ -163,15 +163,32 @@ fn on_high_modes(seed: u64, are_alike: bool) -> StruckOften {
     render(modes, strikes, 6.0, -60.0, |length| (0..length).map(|_| random.normal()).collect())
 }
 
+/// Largest relative error of the contact times that are told of a set, whose strikes are all found.
+fn worst_contact_time((seed, are_alike): (u64, bool)) -> f64 {
+    let sound = on_high_modes(seed, are_alike);
+    let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
+    assert_eq!(found(&sound, &fit), (10, 10), "seed {seed}");
+    let error = |(found, truth): (&StrikeEstimate, &TrueStrike)| found.contact_time_s / truth.contact_time_s - 1.0;
+    let errors = fit.strikes.iter().zip(&sound.strikes).map(error);
+    errors.max_by(|a, b| a.abs().total_cmp(&b.abs())).expect("there are strikes")
+}
+
 #[test]
 fn contact_times_are_right_where_the_highest_modes_are_the_loudest() {
-    for (seed, are_alike) in [(1, true), (2, true), (5, true), (6, false)] {
-        let sound = on_high_modes(seed, are_alike);
-        let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");
-        assert_eq!(found(&sound, &fit), (10, 10), "seed {seed}");
-        for (found, truth) in fit.strikes.iter().zip(&sound.strikes) {
-            let ratio = found.contact_time_s / truth.contact_time_s;
-            assert!((ratio - 1.0).abs() < 0.01, "seed {seed}: {found:?} {truth:?}");
-        }
+    for set in [(1, true), (2, true), (5, true), (6, false)] {
+        let worst = worst_contact_time(set);
+        assert!(worst.abs() < 0.01, "{set:?}: off by {worst}");
     }
+}
+
+#[test]
+#[ignore = "a minute: cargo test -p fit --lib hard_cases::ten_of_twelve -- --ignored --nocapture"]
+fn ten_of_twelve_sets_with_loud_high_modes_have_right_contact_times() {
+    let sets = (1..7).flat_map(|seed| [(seed, false), (seed, true)]);
+    let right = sets.filter(|set| {
+        let worst = worst_contact_time(*set);
+        println!("seed {}, {}: {:.2} %", set.0, if set.1 { "alike" } else { "of all kinds" }, 100.0 * worst);
+        worst.abs() < 0.01
+    });
+    assert!(right.count() >= 10);
 }

@@ -106,7 +106,8 @@ pub(crate) fn log_deviation(model: &Model, index: usize, samples: &[f64], rate_h
 /// without its first 0.2 ms a strike is heard as up to a third shorter.
 fn from_onset<'a>(model: &Model, index: usize, samples: &'a [f64], rate_hz: f64) -> &'a [f64] {
     let Range { start, end } = alone(model, index, samples.len());
-    let onset = onset_sample(samples, start, (ONSET_S * rate_hz) as usize);
+    let reach = (ONSET_S * rate_hz) as usize;
+    let onset = onset_sample(&samples[..end], start, reach).clamp(start.saturating_sub(reach), start + reach);
     &samples[onset.min(end)..end]
 }
 

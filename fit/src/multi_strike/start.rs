@@ -22,8 +22,8 @@ const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
 const TRIED: usize = 40;
 /// Number of contact times on either side of each to which the strikes are followed.
 const FOLLOWED: i32 = 2;
-/// Ratio of neighbouring contact times. Zeros of a mode's answer to a contact lie a period of the
-/// mode apart: 20 % of 1 ms at 5 kHz.
+/// Ratio of neighbouring contact times. As the contact grows by a period of a mode, that mode falls
+/// silent and comes back: at 5 kHz the period is 20 % of 1 ms.
 const FINER: f64 = 1.0193;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;

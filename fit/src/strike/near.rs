@@ -87,7 +87,8 @@ impl Heard<'_> {
             && let Some(exact) = self.exact(settings)
         {
             let (poles, gains) = exact;
-            return self.over_background(poles, gains).map(Near::Exact);
+            let (poles, gains) = self.over_background(poles, gains);
+            return Some(Near::Exact((poles, gains)));
         }
         let edges_hz = usual_edges_hz(self.rate_hz);
         let fastest = settings.fastest_decay_per_s / self.rate_hz;
@@ -114,25 +115,31 @@ impl Heard<'_> {
         is_nearer(&mut descent, &mut nearest, fuller.and_then(|modes| sounding(&modes)));
         let (near, _) = descent.run(&nearest.1, STEPS);
         let Sounding { poles, gains, bands } = audible_of(near);
-        let (poles, gains) = self.over_background(poles, gains)?;
+        let (poles, gains) = self.over_background(poles, gains);
         Some(Near::Approached(Sounding { poles, gains, bands }))
     }
 
-    /// Modes that stand out of the background where they begin; `None` without any.
+    /// Modes that stand out of the background where they begin, or the loudest one.
     ///
     /// Without a background all modes are kept.
-    fn over_background(&self, poles: Vec<Pole>, mut gains: Gains) -> Option<(Vec<Pole>, Gains)> {
-        let Some(background) = self.background else { return Some((poles, gains)) };
+    fn over_background(&self, poles: Vec<Pole>, mut gains: Gains) -> (Vec<Pole>, Gains) {
+        let Some(background) = self.background else { return (poles, gains) };
         let strike = self.strike();
         let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
-        let is_over = |(pole, gain): &(Pole, Complex<f64>)| {
-            let amplitude = (gain * Basis::new(*pole, &stretch).after_force()).norm();
+        let amplitudes: Vec<f64> = (poles.iter().zip(&gains.modes))
+            .map(|(pole, gain)| (gain * Basis::new(*pole, &stretch).after_force()).norm())
+            .collect();
+        let loudest = amplitudes.iter().copied().fold(0.0, f64::max);
+        let is_over = |pole: &Pole, amplitude: f64| {
             background.is_over(pole.frequency_hz(self.rate_hz), pole.decay_per_s(self.rate_hz), amplitude)
         };
-        let pairs = poles.into_iter().zip(gains.modes);
+        let are_over: Vec<bool> = poles.iter().zip(&amplitudes).map(|(pole, &size)| is_over(pole, size)).collect();
+        let is_any = are_over.contains(&true);
+        let is_kept = |index: usize| if is_any { are_over[index] } else { amplitudes[index] >= loudest };
+        let pairs = poles.into_iter().zip(gains.modes).enumerate();
         let poles: Vec<Pole>;
-        (poles, gains.modes) = pairs.filter(is_over).unzip();
-        (!poles.is_empty()).then_some((poles, gains))
+        (poles, gains.modes) = pairs.filter(|(index, _)| is_kept(*index)).map(|(_, pair)| pair).unzip();
+        (poles, gains)
     }
 
     /// Modes with further ones in the place of those that were dropped because they cancel.

@@ -59,7 +59,8 @@ pub(super) fn parse(bytes: &[u8], path: &Path, step_m: Option<f64>) -> Result<(H
 
 /// The file with commas between its columns: `numpy.savetxt` writes blanks there.
 fn with_commas(bytes: &[u8]) -> Cow<'_, [u8]> {
-    if bytes.contains(&b',') {
+    let mut lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii_start().starts_with(b"#"));
+    if lines.any(|line| line.contains(&b',')) {
         return Cow::Borrowed(bytes);
     }
     let words = |line: &[u8]| {

@@ -341,3 +341,19 @@ fn hum_of_mains_is_taken_off_with_a_note_and_is_no_mode() {
     let fitted = fit(&wave(&folder, "at-once.wav", 44_100, &[sound])).expect("a strike");
     assert!(!fitted.report.notes.iter().any(|note| note.contains("steady")), "{:?}", fitted.report.notes);
 }
+
+#[test]
+fn ringing_of_an_earlier_strike_is_no_steady_sound_under_the_next_one() {
+    let folder = TempDir::new().expect("a folder");
+    let ringing = |since_s: f64| {
+        let mode = |hz: f64, t60_s: f64| 10f64.powf(-3.0 * since_s / t60_s) * (TAU * hz * since_s).sin();
+        if since_s < 0.0 { 0.0 } else { mode(440.0, 20.0) + mode(1230.0, 4.0) + mode(2750.0, 0.5) }
+    };
+    let quiet = noise(242_550, -80.0);
+    let sound = |n: usize| n as f64 / 44_100.0;
+    let bell = (0..242_550).map(|n| 0.1 * ringing(sound(n) - 0.5) + 0.15 * ringing(sound(n) - 3.0) + quiet[n]);
+    let fitted = fit(&wave(&folder, "bell.wav", 44_100, &[bell.collect()])).expect("a strike");
+    assert!(!fitted.report.notes.iter().any(|note| note.contains("steady")), "{:?}", fitted.report.notes);
+    let slow = fitted.fit.modes.iter().find(|mode| (mode.frequency_hz / 440.0 - 1.0).abs() < 2e-3);
+    assert!(slow.is_some_and(|mode| mode.t60_s() > 10.0), "{:?}", fitted.fit.modes);
+}

@@ -23,7 +23,7 @@ fn read_text(text: &str) -> Result<(Heights, Vec<Note>), String> {
 #[test]
 fn numbers_separated_by_blanks_are_read_as_those_separated_by_commas() {
     let commas = read_text("x_m,height_m\n0,1e-6\n1e-6,nan\n2e-6,3e-6\n").expect("a profile");
-    let blanks = read_text("# of numpy.savetxt\n 0.0e+00  1.0e-06\r\n1e-6\tnan\n2e-6 3e-6 \n").expect("a profile");
+    let blanks = read_text("# x_m, height_m\n 0.0e+00  1.0e-06\r\n1e-6\tnan\n2e-6 3e-6 \n").expect("a profile");
     let seen = |heights: &Heights| (heights.columns, format!("{:?}", heights.values));
     assert_eq!((seen(&commas.0), &commas.1), (seen(&blanks.0), &blanks.1));
     let refused = read_text("x_m;height_m\n0;1e-6\n1e-6;2e-6\n").expect_err("semicolons");

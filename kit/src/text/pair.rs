@@ -2,7 +2,7 @@
 
 use serde::de::{Deserialize, Deserializer, Error};
 
-/// Pair of numbers. An array of the reader's own drops a third one in silence.
+/// Pair of numbers. A plain `[f32; 2]` is read from longer arrays, too, without their rest.
 pub(super) struct Pair(pub(super) [f32; 2]);
 
 impl<'de> Deserialize<'de> for Pair {

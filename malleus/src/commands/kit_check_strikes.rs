@@ -21,7 +21,7 @@ pub(super) struct StrikeFinding {
     /// that plays the object clips now.
     fitting_gain_db: Option<f64>,
     /// Level with which the pad's loudest striker peaks at -6 dBFS, with the gains that fit; `None`
-    /// if nothing clips now.
+    /// if neither the pad clips now nor the own sound of any pad of its object.
     fitting_level_db: Option<f32>,
     #[serde(skip)]
     object: String,

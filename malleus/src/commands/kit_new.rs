@@ -44,7 +44,8 @@ pub(super) fn run(tables: &[PathBuf], output: Option<&Path>, first_note: u8) -> 
     kit::binary::build(&kit)?;
     for (name, change_db) in set_levels(output, &mut kit) {
         eprintln!(
-            "malleus: {}: gains of {name:?} are {:.1} dB lower than in its table: its sound would clip before level_db",
+            "malleus: {}: gains of {name:?} are {:.1} dB lower than in its table: its own sound peaked above +12 dBFS before level_db, and \
+             several strikes at once would clip there",
             output.display(),
             -change_db
         );

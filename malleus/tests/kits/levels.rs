@@ -265,7 +265,7 @@ fn object_with_another_reference_force_sounds_as_before() {
 }
 
 #[test]
-fn object_with_another_gain_sounds_louder_by_just_that() {
+fn object_with_another_gain_differs_in_level_by_just_that() {
     for modes in [kit::ModesGo::Through, kit::ModesGo::Beside] {
         let mut before = filtered();
         before.objects[0].dynamic_filter.as_mut().unwrap().modes = modes;

@@ -36,7 +36,7 @@ impl Display for Beyond {
         write!(
             f,
             "pad {pad}: the motion leaves the object {}, first at {first_s:.3} s at {x_m:.4},{y_m:.4} m, for {whole_s:.3} s in all; \
-             it sounds there as at its edge (size_m = [{length_m}, {width_m}] of the object, 0,0 is its middle)",
+             its modes sound there as at its end (size_m = [{length_m}, {width_m}] of the object, 0,0 is its middle)",
             counted(*times, "times")
         )
     }
@@ -44,7 +44,7 @@ impl Display for Beyond {
 
 /// Places of a motion beyond the edges of the objects, for each pad that has any.
 ///
-/// An engine plays these places as those at the edge, in silence.
+/// An engine plays these places with the modes' gains at the object's end, and says nothing.
 pub fn beyond(motion: &Motion, kit: &Kit<'_>, rate: SampleRate) -> Vec<Beyond> {
     let mut found: Vec<(u8, Beyond)> = Vec::new();
     let tick_s = TICK_FRAMES as f64 / rate.hz();
