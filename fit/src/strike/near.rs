@@ -126,16 +126,15 @@ impl Heard<'_> {
         let Some(background) = self.background else { return (poles, gains) };
         let strike = self.strike();
         let stretch = Stretch { samples: strike, force: Some(&self.force[..self.force.len().min(strike.len())]) };
-        let amplitudes: Vec<f64> = (poles.iter().zip(&gains.modes))
-            .map(|(pole, gain)| (gain * Basis::new(*pole, &stretch).after_force()).norm())
-            .collect();
+        let size_of = |(pole, gain): (&Pole, &Complex<f64>)| (gain * Basis::new(*pole, &stretch).after_force()).norm();
+        let amplitudes: Vec<f64> = poles.iter().zip(&gains.modes).map(size_of).collect();
         let loudest = amplitudes.iter().copied().fold(0.0, f64::max);
-        let is_over = |pole: &Pole, amplitude: f64| {
-            background.is_over(pole.frequency_hz(self.rate_hz), pole.decay_per_s(self.rate_hz), amplitude)
-        };
+        let rate_hz = self.rate_hz;
+        let is_over =
+            |pole: &Pole, size: f64| background.is_over(pole.frequency_hz(rate_hz), pole.decay_per_s(rate_hz), size);
         let are_over: Vec<bool> = poles.iter().zip(&amplitudes).map(|(pole, &size)| is_over(pole, size)).collect();
-        let is_any = are_over.contains(&true);
-        let is_kept = |index: usize| if is_any { are_over[index] } else { amplitudes[index] >= loudest };
+        let none = !are_over.contains(&true);
+        let is_kept = |index: usize| are_over[index] || (none && amplitudes[index] >= loudest);
         let pairs = poles.into_iter().zip(gains.modes).enumerate();
         let poles: Vec<Pole>;
         (poles, gains.modes) = pairs.filter(|(index, _)| is_kept(*index)).map(|(_, pair)| pair).unzip();
