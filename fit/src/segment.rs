@@ -184,8 +184,8 @@ fn of_force(samples: &[f64], force: &[f64], rate_hz: f64) -> Option<(Vec<Hit>, V
 ///
 /// # Errors
 /// [`FitError::NoSuchHit`] for a hit that does not exist, [`FitError::TooShort`] for one shorter
-/// than 15 ms, [`FitError::Clipped`] for one with a flat top, or one of whose first 20 ms more than
-/// a tenth stands at the largest value.
+/// than 15 ms, [`FitError::Clipped`] for one with a flat top, or with more than a tenth
+/// of its first 20 ms at its largest value.
 pub fn select(recording: &Recording, hits: &[Hit], wanted: &[usize]) -> Result<Vec<Hit>, FitError> {
     let rate_hz = recording.rate_hz;
     let chosen = if wanted.is_empty() {

@@ -27,8 +27,8 @@ const LOWEST_HZ: f64 = 20.0;
 /// Largest ratio of a band's power before a strike to its power at the strike's end: 3 dB. What
 /// sounds before the strike only is the ringing of another one, and no background.
 const MOST_FALL: f64 = 2.0;
-/// Least power of the loudest band of a background relative to the strike's: -58 dB. Distances have
-/// their floor at -60 dB.
+/// Least power of a background's loudest band relative to the strike's: -58 dB. Distances do not
+/// hear what lies 60 dB below the strike.
 const LEAST_POWER: f64 = 1.6e-6;
 /// Least ratio of a mode's power to the background's, in a spectrum of the strike's beginning, for
 /// it to be a mode of the thing: 10 dB. Modes of the noise itself stand up to 7 dB out of it.

@@ -61,9 +61,11 @@ pub(super) const MODULI_PA: std::ops::RangeInclusive<f64> = 1e7..=2e12;
 const TRIALS: usize = 200;
 /// Largest move of a mode's frequency in a trial, in natural logarithms.
 const MOVED: f64 = 0.2;
-/// Largest share of trials that stand as near for the modes to be those of the solid.
+/// Largest share of trials whose modes stand as near to the solid's as the recorded ones do; above
+/// it the body may be another one.
 ///
-/// `cargo test -p fit --lib material::doubt -- --nocapture` prints how many random bodies it tells.
+/// `cargo test -p fit --lib material::doubt -- --nocapture` prints how many random bodies are
+/// doubted.
 pub(super) const MOST_CHANCE: f64 = 0.3;
 /// Least standard deviation of ln E: Poisson's ratio, thickness and ends are not exactly known.
 const LEAST_SPREAD: f64 = 0.01;
@@ -142,8 +144,8 @@ fn chance_scores(heard: &[&RingingMode], series: &[f64], solid: Solid) -> Vec<f6
 /// thickness of a fifth of the length (`cargo test -p fit --lib material::solid`). Discs are thin
 /// plates. `None` if no mode fits a modulus from 10 MPa to 2 TPa.
 ///
-/// The range holds all moduli at which the modes stand half as near as at best, or as near as modes
-/// at other frequencies do, where they do not tell the solid from another body (`Doubt`).
+/// Range of a body that may be another one ([`Doubt`](super::Doubt)): it holds all
+/// moduli whose score is half the best one, or that of a trial with modes at other frequencies.
 pub fn young_modulus(modes: &[RingingMode], solid: Solid) -> Option<Modulus> {
     let series = series(solid);
     let heard: Vec<&RingingMode> = modes.iter().filter(|mode| mode.level_db > LEAST_LEVEL_DB).collect();

@@ -163,7 +163,7 @@ fn on_high_modes(seed: u64, are_alike: bool) -> StruckOften {
     render(modes, strikes, 6.0, -60.0, |length| (0..length).map(|_| random.normal()).collect())
 }
 
-/// Largest relative error of the contact times that are told of a set, whose strikes are all found.
+/// Largest relative error of a set's fitted contact times.
 fn worst_contact_time((seed, are_alike): (u64, bool)) -> f64 {
     let sound = on_high_modes(seed, are_alike);
     let fit = fitted(&sound.samples, sound.rate_hz).expect("strikes are told");

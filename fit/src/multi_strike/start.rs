@@ -22,8 +22,8 @@ const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
 const TRIED: usize = 40;
 /// Number of contact times on either side of each to which the strikes are followed.
 const FOLLOWED: i32 = 2;
-/// Ratio of neighbouring contact times. As the contact grows by a period of a mode, that mode falls
-/// silent and comes back: at 5 kHz the period is 20 % of 1 ms.
+/// Ratio of neighbouring contact times. A mode of 5 kHz is not rung by contacts of 0.9 or 1.1 ms,
+/// but by those of 1 ms: coarser steps miss the right time.
 const FINER: f64 = 1.0193;
 /// Number of contact times on a strike's own grid.
 const GRID: usize = 28;
@@ -44,12 +44,11 @@ const STEADY: f64 = 6.0;
 /// Least number of modes that contacts are started from.
 const LEAST_MODES: usize = 4;
 
-/// Starting models from the strikes near `onsets`, one for each contact time tried, the best first.
+/// Starting models of the strikes near `onsets`, the best first: one for each contact time tried.
 ///
-/// Gains are at first those of the strongest strike, once `attempt`
-/// stronger ones are passed over.
-/// Strikes that are not among the usable ones are left out, and those too close to their neighbours
-/// for an amplitude of their own.
+/// Gains are at first those of one strike: the strongest, or in later attempts the next strong one.
+/// Strikes that are not usable are left out, and those too close to their neighbours for an
+/// amplitude of their own.
 pub(crate) fn starts(
     white: &White<'_>,
     (onsets, usable): (&[usize], &[usize]),

@@ -9,11 +9,11 @@ use super::{csv_file, npy_file};
 
 /// Reads a profile or a map from an NPY or a CSV file.
 ///
-/// NPY: one or two dimensions, heights in metres as floats of 16 to 64 bits or integers of 8 to 64.
-/// CSV, with or without a head, its numbers separated by commas or blanks: a column of heights, two
-/// columns of position and height, or a map with a row a line; all in metres, and empty cells or
-/// `nan` where a point is missing. `step_m` is the distance of points
-/// where the file does not tell it.
+/// An NPY file has one or two dimensions and heights in metres: floats of 16 to 64 bits, or
+/// integers of 8 to 64. A CSV file has numbers in metres, separated by commas or blanks, below a
+/// head or none: a column of heights, two columns of position and height, or a map with a row a
+/// line. A missing point is an empty cell or `nan`. `step_m` is the distance of points if the file
+/// does not tell it.
 ///
 /// # Errors
 /// [`SurfaceError`] if the file cannot be read, is none of these, or does not tell its step.
