@@ -5,13 +5,12 @@
 
 use std::ops::Range;
 
-use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::contact::{Contact, strength};
 use super::equations::residual_within;
 use super::model::Model;
-
-type C64 = Complex<f64>;
+use crate::modes::add_ringing;
 
 /// Reach of the search in seconds.
 const REACH_S: f64 = 4e-3;
@@ -25,8 +24,66 @@ const MARGIN: f64 = 8.0;
 /// The strongest attacks of a recording, to try common times with.
 struct Attacks<'a> {
     model: &'a Model,
-    /// Strike, first sample, and sound without the strike, of each attack.
-    windows: Vec<(usize, usize, Vec<f64>)>,
+    attacks: Vec<Attack>,
+}
+
+/// Window of a recording about a contact.
+///
+/// Behind the contact a strike rings alike at all common times. So energies are summed once, and
+/// each time tried costs the samples within the contact only.
+struct Attack {
+    strike: usize,
+    /// First sample of the window in the recording.
+    from: usize,
+    /// Sound without the other strikes.
+    heard: Vec<f64>,
+    /// Energy of the samples before each one, as if nothing were struck until then.
+    before: Vec<f64>,
+    /// Energy from each sample on of what the ringing leaves.
+    behind: Vec<f64>,
+}
+
+impl Attack {
+    /// Window of a strike; `heard` is its sound.
+    fn new(model: &Model, index: usize, from: usize, heard: Vec<f64>) -> Self {
+        let strike = model.strikes[index];
+        let mut left = heard.clone();
+        for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, &strike)) {
+            let exponent = model.exponent(mode);
+            let since = from as f64 - strike.contact.middle;
+            let start = strength(exponent, strike.contact.time).value * (exponent * since).exp();
+            add_ringing(model.poles[mode], -start * model.gain(mode, strike.position) * strike.contact.peak, &mut left);
+        }
+        let before = running_energy(heard.iter());
+        let mut behind = running_energy(left.iter().rev());
+        behind.reverse();
+        Self { strike: index, from, heard, before, behind }
+    }
+
+    /// Energy that is left of the window if the strike comes later by `shift` samples.
+    fn misfit(&self, model: &Model, shift: f64) -> f64 {
+        let strike = model.strikes[self.strike];
+        let contact = Contact { middle: strike.contact.middle + shift, ..strike.contact };
+        let index_of = |sample: f64| ((sample - self.from as f64).max(0.0) as usize).min(self.heard.len());
+        let (begun, over) = (index_of(contact.first_sample()), index_of(contact.end_sample()));
+        let mut during = self.heard[begun..over].to_vec();
+        for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, &strike)) {
+            let exponent = model.exponent(mode);
+            let gain = -model.gain(mode, strike.position) * (exponent * shift).exp() * contact.peak;
+            contact.add_motion(exponent, gain, self.from + begun, &mut during);
+        }
+        self.before[begun] + during.iter().map(|x| x * x).sum::<f64>() + self.behind[over]
+    }
+}
+
+/// Energy of the samples before each one, and of all.
+fn running_energy<'a>(samples: impl Iterator<Item = &'a f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let energies = samples.map(|x| {
+        sum += x * x;
+        sum
+    });
+    [0.0].into_iter().chain(energies).collect()
 }
 
 impl<'a> Attacks<'a> {
@@ -42,20 +99,15 @@ impl<'a> Attacks<'a> {
         };
         let ranges: Vec<Range<usize>> = order.iter().map(range).collect();
         let with_strike = |((index, range), mut heard): ((usize, &Range<usize>), Vec<f64>)| {
-            add_strike(model, index, 0.0, range.start, 1.0, &mut heard);
-            (index, range.start, heard)
+            add_strike(model, index, range.start, &mut heard);
+            Attack::new(model, index, range.start, heard)
         };
-        Self { model, windows: order.into_iter().zip(&ranges).zip(left(&ranges)).map(with_strike).collect() }
+        Self { model, attacks: order.into_iter().zip(&ranges).zip(left(&ranges)).map(with_strike).collect() }
     }
 
     /// Energy that is left if all contacts come later by `shift` samples.
     fn misfit(&self, shift: f64) -> f64 {
-        let of_window = |(index, from, heard): &(usize, usize, Vec<f64>)| {
-            let mut left = heard.clone();
-            add_strike(self.model, *index, shift, *from, -1.0, &mut left);
-            left.iter().map(|x| x * x).sum::<f64>()
-        };
-        self.windows.iter().map(of_window).sum()
+        self.attacks.iter().map(|attack| attack.misfit(self.model, shift)).sum()
     }
 }
 
@@ -123,14 +175,11 @@ fn shifted(model: &Model, shift: f64) -> Model {
     shifted
 }
 
-/// Adds a strike that is late by `shift`, with the ringing that it has without it.
-fn add_strike(model: &Model, index: usize, shift: f64, from: usize, factor: f64, samples: &mut [f64]) {
+/// Adds a strike to samples from `from` on.
+fn add_strike(model: &Model, index: usize, from: usize, samples: &mut [f64]) {
     let strike = model.strikes[index];
-    let mut contact = strike.contact;
-    contact.middle += shift;
     for mode in (0..model.poles.len()).filter(|mode| model.rings(*mode, &strike)) {
-        let exponent = model.exponent(mode);
-        let gain: C64 = model.gain(mode, strike.position) * (exponent * shift).exp() * (contact.peak * factor);
-        contact.add_motion(exponent, gain, from, samples);
+        let gain = model.gain(mode, strike.position) * strike.contact.peak;
+        strike.contact.add_motion(model.exponent(mode), gain, from, samples);
     }
 }

@@ -114,8 +114,8 @@ pub(crate) struct Response {
 pub(crate) fn strength(pole: C64, time: f64) -> Response {
     let p = PI / time;
     let half = pole * (0.5 * time);
-    // cosh and sinh by exponentials: the crate's own lose nothing here.
-    let (grown, shrunk) = (half.exp(), (-half).exp());
+    let grown = half.exp();
+    let shrunk = grown.inv();
     let (cosh, sinh) = ((grown + shrunk) * 0.5, (grown - shrunk) * 0.5);
     let below = pole * pole + p * p;
     let value = cosh * (2.0 * p) / below;

@@ -24,6 +24,7 @@ mod changes;
 mod clipping;
 mod completion;
 mod contact;
+mod contact_grid;
 mod descend;
 mod dry;
 mod equations;

@@ -14,11 +14,12 @@ use rayon::prelude::*;
 
 use super::amplitudes::Change;
 use super::contact::{Contact, strength};
+use super::contact_grid::contact_times;
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::seriation;
 use super::spline::Weights;
-use super::start::{grid, strongest_but};
+use super::start::strongest_but;
 use super::strikers::assigned;
 use super::timing::{Turned, timed, turned};
 use crate::modes::Pole;
@@ -68,7 +69,7 @@ pub(crate) fn starts_at_places(
     let search =
         Search { changes, turned: &turned, shifts: &shifts, phases: &phases, poles, exponents, rate_hz, layout };
     let mut found: Vec<(f64, Model)> =
-        grid(TRIED, rate_hz).into_par_iter().map(|time| search.of_trial(strongest, time)).collect();
+        contact_times(TRIED, rate_hz).into_par_iter().map(|time| search.of_trial(strongest, time)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
 }
@@ -135,7 +136,7 @@ impl Search<'_> {
     ///
     /// Levels of the modes are those of the median strike; positions scatter about them.
     fn times(&self, strongest: usize, time: f64) -> Vec<f64> {
-        let grid = grid(TIMES, self.rate_hz);
+        let grid = contact_times(TIMES, self.rate_hz);
         let falls: Vec<Vec<f64>> = grid
             .iter()
             .map(|time| self.strengths(*time).iter().map(|q| (q.abs() + 1e-3 * time).ln()).collect())
@@ -279,7 +280,7 @@ impl Search<'_> {
         tolerance: f64,
         is_fine: bool,
     ) {
-        let times = grid(TIMES, self.rate_hz);
+        let times = contact_times(TIMES, self.rate_hz);
         let strengths: Vec<Vec<f64>> = times.iter().map(|time| self.strengths(*time)).collect();
         let count = if self.layout.positions < 2 { 1 } else { POSITIONS };
         let places: Vec<f64> = (0..count).map(|index| index as f64 / (POSITIONS - 1) as f64).collect();

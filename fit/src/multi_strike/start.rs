@@ -5,19 +5,18 @@
 //! its amplitudes give the gains. Then each strike is looked up on a grid over τ and δ, and gains
 //! and contacts are improved in turn.
 
-use nalgebra::{Complex, Matrix3, Vector3};
+use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::amplitudes::{Change, OWN_ERROR, Told, White, changes_of, spreads};
-use super::contact::{Contact, Response, strength};
+use super::contact::{Contact, strength};
+use super::contact_grid::{Grid, Shapes, contact_times, exponents_of, fit_gains};
 use super::free::{Guard, amplitudes, stretches};
 use super::model::{Model, Strike};
 use crate::modes::Pole;
 
 type C64 = Complex<f64>;
 
-/// Shortest and longest contact time that is tried, in seconds.
-const TIMES_S: [f64; 2] = [0.12e-3, 5e-3];
 /// Number of contact times of the strongest strike at which all strikes are looked up.
 const TRIED: usize = 40;
 /// Number of contact times on either side of each to which the strikes are followed.
@@ -25,18 +24,6 @@ const FOLLOWED: i32 = 2;
 /// Ratio of neighbouring contact times. A mode of 5 kHz is not rung by contacts of 0.9 or 1.1 ms,
 /// but by those of 1 ms: coarser steps miss the right time.
 const FINER: f64 = 1.0193;
-/// Number of contact times on a strike's own grid.
-const GRID: usize = 28;
-/// Reach of δ before and behind the moment, in seconds.
-pub(super) const REACH_S: [f64; 2] = [3e-3, 4.5e-3];
-/// Number of the best contact times of a strike's own grid that are improved.
-const LOOKED_AT: usize = 5;
-/// Number of times that each of them is improved.
-const IMPROVED: usize = 3;
-/// Step of δ in samples.
-const STEP: f64 = 0.5;
-/// Number of rounds of gains and contacts in turn, behind each look and each step from it.
-const ROUNDS: usize = 8;
 /// Number of looks at the grid, the later ones with the gains of all strikes.
 const LOOKS: usize = 2;
 /// Least median over strikes of a mode's energy over the noise in an amplitude.
@@ -71,7 +58,7 @@ pub(crate) fn starts(
     let strengths: Vec<f64> = changes.iter().map(strength_of).collect();
     let Some(first) = strongest_but(&strengths, attempt) else { return Vec::new() };
     let looked_at = Grid::new(exponents_of(poles), rate_hz);
-    let mut found: Vec<(f64, Model)> = grid(TRIED, rate_hz)
+    let mut found: Vec<(f64, Model)> = contact_times(TRIED, rate_hz)
         .into_par_iter()
         .flat_map_iter(|time| from_trial(&changes, first, time, poles, &looked_at))
         .collect();
@@ -135,7 +122,7 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
         };
         let gains: Vec<C64> = (0..model.poles.len()).map(gain).collect();
         let mut contact = looked_at.best(&change, &gains, &silent);
-        let left = looked_at.improve(&mut contact, &change, &gains);
+        let (left, _) = looked_at.improve(&mut contact, &change, &gains);
         strike.contact = Contact { middle: contact.middle + at as f64, ..contact };
         (left, strike)
     };
@@ -147,12 +134,6 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
 const PLACES: usize = 13;
 /// Contact of a strike that is not yet looked for.
 const NOWHERE: Contact = Contact { middle: 0.0, time: 1.0, peak: 0.0 };
-
-/// Contact times in samples that are tried.
-pub(super) fn grid(count: usize, rate_hz: f64) -> Vec<f64> {
-    let tried = |index: usize| rate_hz * TIMES_S[0] * (TIMES_S[1] / TIMES_S[0]).powf(index as f64 / (count - 1) as f64);
-    (0..count).map(tried).collect()
-}
 
 /// Models for contact times of the strike `first` near a trial one, with their misfits.
 ///
@@ -176,7 +157,8 @@ fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid:
         for step in 1..=FOLLOWED {
             let all_longer = (time * factor.powi(step)).powi(2) - contacts[first].time.powi(2);
             contacts.iter_mut().for_each(|contact| grid.lengthen(contact, all_longer));
-            grid.fit_gains(&contacts, changes, &mut gains);
+            let shapes: Vec<Shapes> = contacts.iter().map(|contact| grid.shapes(contact)).collect();
+            fit_gains(&shapes, changes, &mut gains);
             let left = grid.in_turn(&mut contacts, changes, &mut gains);
             found.push((left, model_of(changes, poles, &contacts, &gains)));
         }
@@ -202,169 +184,6 @@ fn model_of(changes: &[Change], poles: &[Pole], contacts: &[Contact], gains: &[C
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));
     model.normalise();
     model
-}
-
-/// Amplitude of a mode of gain 1 at the moment, by a contact whose middle counts from there.
-fn shape(contact: &Contact, exponent: C64) -> C64 {
-    strength(exponent, contact.time).value * (-exponent * contact.middle).exp() * contact.peak
-}
-
-/// Exponents `s = -d + jω` of poles.
-fn exponents_of(poles: &[Pole]) -> Vec<C64> {
-    poles.iter().map(|pole| C64::new(-pole.decay, pole.angular)).collect()
-}
-
-/// Contact times that are tried for a strike, with the strength of each mode at each of them.
-struct Grid {
-    exponents: Vec<C64>,
-    times: Vec<f64>,
-    strengths: Vec<Vec<C64>>,
-    /// Reach of the middle before and behind the moment, in samples.
-    reach: [f64; 2],
-}
-
-impl Grid {
-    fn new(exponents: Vec<C64>, rate_hz: f64) -> Self {
-        let times = grid(GRID, rate_hz);
-        let strengths =
-            times.iter().map(|time| exponents.iter().map(|s| strength(*s, *time).value).collect()).collect();
-        Self { exponents, times, strengths, reach: REACH_S.map(|reach| reach * rate_hz) }
-    }
-
-    /// Contact that explains most of a change.
-    fn best(&self, change: &Change, gains: &[C64], spreads: &[f64]) -> Contact {
-        let energy: f64 = change.amplitudes.iter().map(C64::norm_sqr).sum();
-        let steps = ((self.reach[0] + self.reach[1]) / STEP) as usize;
-        let turns: Vec<C64> = self.exponents.iter().map(|s| C64::new(0.0, s.im * STEP).exp()).collect();
-        let first: Vec<C64> = self.exponents.iter().map(|s| C64::new(0.0, -s.im * self.reach[0]).exp()).collect();
-        let nothing = Contact { middle: 0.0, time: self.times[0], peak: 1e-9 };
-        let mut best = vec![(0.0, nothing); self.times.len()];
-        for ((&time, strengths), best) in self.times.iter().zip(&self.strengths).zip(&mut best) {
-            let shapes: Vec<C64> = gains.iter().zip(strengths).map(|(gain, strength)| gain * strength).collect();
-            let loudness = energy / shapes.iter().map(C64::norm_sqr).sum::<f64>().max(1e-300);
-            let weights: Vec<f64> = (change.variances.iter().zip(spreads).zip(strengths))
-                .map(|((variance, spread), strength)| 1.0 / (variance + loudness * spread * strength.norm_sqr()))
-                .collect();
-            let size: f64 = shapes.iter().zip(&weights).map(|(shape, weight)| shape.norm_sqr() * weight).sum();
-            let mut along: Vec<C64> = (change.amplitudes.iter().zip(&shapes).zip(&weights).zip(&first))
-                .map(|(((a, shape), weight), first)| a * shape.conj() * *weight * first)
-                .collect();
-            for step in 0..steps {
-                let sum: f64 = along.iter().map(|x| x.re).sum();
-                if sum > 0.0 && sum * sum / size > best.0 {
-                    let middle = step as f64 * STEP - self.reach[0];
-                    *best = (sum * sum / size, Contact { middle, time, peak: sum / size });
-                }
-                along.iter_mut().zip(&turns).for_each(|(x, turn)| *x *= turn);
-            }
-        }
-        // The steps of the grid may be longer than the way from one minimum to the next.
-        best.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let improved = |(_, mut contact): (f64, Contact)| {
-            let left = (0..IMPROVED).fold(f64::INFINITY, |_, _| self.improve(&mut contact, change, gains));
-            (left, contact)
-        };
-        let found = best.into_iter().take(LOOKED_AT).map(improved).min_by(|a, b| a.0.total_cmp(&b.0));
-        found.map_or(nothing, |(_, contact)| contact)
-    }
-
-    /// Improves contacts and gains in turn; returns what is left of the changes, in units of their
-    /// variances.
-    fn in_turn(&self, contacts: &mut [Contact], changes: &[Change], gains: &mut [C64]) -> f64 {
-        let mut left = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            for (contact, change) in contacts.iter_mut().zip(changes) {
-                self.improve(contact, change, gains);
-            }
-            left = self.fit_gains(contacts, changes, gains);
-        }
-        left
-    }
-
-    /// Fits gains to the changes of contacts; returns what is left of the changes.
-    fn fit_gains(&self, contacts: &[Contact], changes: &[Change], gains: &mut [C64]) -> f64 {
-        let mut left = 0.0;
-        for (mode, gain) in gains.iter_mut().enumerate() {
-            let (mut along, mut size, mut energy) = (C64::new(0.0, 0.0), 1e-300, 0.0);
-            for (contact, change) in contacts.iter().zip(changes) {
-                let shape = shape(contact, self.exponents[mode]);
-                let weight = 1.0 / change.variances[mode];
-                along += shape.conj() * change.amplitudes[mode] * weight;
-                size += shape.norm_sqr() * weight;
-                energy += change.amplitudes[mode].norm_sqr() * weight;
-            }
-            *gain = along / size;
-            left += energy - along.norm_sqr() / size;
-        }
-        left
-    }
-
-    /// Lengthens a contact by an amount of its squared time, with the ringing that it has.
-    ///
-    /// Slow modes tell the squares of contact times up to a constant.
-    fn lengthen(&self, contact: &mut Contact, by: f64) {
-        let longest = self.times[self.times.len() - 1];
-        let time = (contact.time * contact.time + by).max(0.0).sqrt().clamp(self.times[0], longest);
-        contact.peak *= contact.time / time;
-        contact.time = time;
-    }
-
-    /// Damped Gauss-Newton steps of a contact's middle, ln τ and ln m at given gains, within the
-    /// grid's times; returns what is left of the change, in units of its variances.
-    fn improve(&self, contact: &mut Contact, change: &Change, gains: &[C64]) -> f64 {
-        let mut shapes = self.shapes(contact, gains);
-        let mut now = misfit(&shapes, change);
-        let mut damping = 1e-3;
-        for _ in 0..4 {
-            let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
-            for (((a, variance), (value, strength)), s) in
-                change.amplitudes.iter().zip(&change.variances).zip(&shapes).zip(&self.exponents)
-            {
-                let slopes = [-s * value, value * strength.by_time / strength.value * contact.time, *value];
-                let left = a - value;
-                for (i, slope) in slopes.iter().enumerate() {
-                    right[i] += (slope.conj() * left).re / variance;
-                    for (j, other) in slopes.iter().enumerate() {
-                        normal[(i, j)] += (slope.conj() * other).re / variance;
-                    }
-                }
-            }
-            (0..3).for_each(|index| normal[(index, index)] *= 1.0 + damping);
-            let Some(step) = normal.cholesky().map(|factor| factor.solve(&right)) else { break };
-            let reach = 0.2 * contact.time;
-            let grown = contact.time * step[1].clamp(-0.3, 0.3).exp();
-            let next = Contact {
-                middle: contact.middle + step[0].clamp(-reach, reach),
-                time: grown.clamp(self.times[0], self.times[self.times.len() - 1]),
-                peak: contact.peak * step[2].clamp(-0.7, 0.7).exp(),
-            };
-            let moved = self.shapes(&next, gains);
-            let then = misfit(&moved, change);
-            if then < now {
-                (*contact, shapes, now) = (next, moved, then);
-                damping *= 0.1;
-            } else {
-                damping = (damping * 10.0).max(1e-3);
-            }
-        }
-        now
-    }
-
-    /// Amplitude of each mode by a contact, and the contact's strength.
-    fn shapes(&self, contact: &Contact, gains: &[C64]) -> Vec<(C64, Response)> {
-        let of_mode = |(s, gain): (&C64, &C64)| {
-            let strength = strength(*s, contact.time);
-            (gain * strength.value * (-s * contact.middle).exp() * contact.peak, strength)
-        };
-        self.exponents.iter().zip(gains).map(of_mode).collect()
-    }
-}
-
-/// Remainder of a change behind a contact's amplitudes, in units of the change's variances.
-fn misfit(shapes: &[(C64, Response)], change: &Change) -> f64 {
-    (change.amplitudes.iter().zip(&change.variances).zip(shapes))
-        .map(|((a, variance), (shape, _))| (a - shape).norm_sqr() / variance)
-        .sum()
 }
 
 #[cfg(test)]

@@ -7,7 +7,8 @@ use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::amplitudes::Change;
-use super::start::{REACH_S, strongest_but};
+use super::contact_grid::REACH_S;
+use super::start::strongest_but;
 
 type C64 = Complex<f64>;
 
