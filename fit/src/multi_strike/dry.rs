@@ -9,6 +9,7 @@ use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
 use super::layout::Layout;
 use super::passes::completed_fit;
+use super::start::StartSearch;
 use super::whitening::Whitening;
 use crate::modes::Settings;
 
@@ -26,13 +27,13 @@ pub(super) fn dry(
     from: (Vec<usize>, FreeModes),
     rate_hz: f64,
     settings: Settings,
-    layout: Layout,
+    (layout, search): (Layout, StartSearch),
     told: &dyn Fn(f64),
 ) -> Result<(Fitted, Whitening), StrikesError> {
     let (free, all) = between_strikes(samples, rate_hz, from, settings, &|share| told(0.3 * share))?;
     StrikesError::refuse_few_for(layout, all.len())?;
     let usable = usable(samples, &all, rate_hz);
-    let first = begun(samples, &free, (&all, &usable), rate_hz, layout, &|share| told(0.3 + 0.3 * share))?;
+    let first = begun(samples, &free, (&all, &usable), rate_hz, layout, search, &|share| told(0.3 + 0.3 * share))?;
     if usable.len() == all.len() {
         StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
     }

@@ -12,6 +12,7 @@ use super::heard::{log_deviation, with_heard_peaks};
 use super::in_room::{InRoom, energy, in_room};
 use super::layout::Layout;
 use super::rises::rises;
+use super::start::StartSearch;
 use super::whitening::Whitening;
 use super::zeros::modes_at_zeros;
 use crate::modes::Settings;
@@ -131,7 +132,10 @@ fn thing<'a>(
     let wet = |InRoom { fitted, whitening, dry, room }| Thing { fitted, whitening, dry: Cow::Owned(dry), room };
     let begun_in_room = || {
         let usable = usable(samples, &onsets, rate_hz);
-        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, &|share| told(0.2 * share)).ok()?;
+        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, StartSearch::IN_ROOM, &|share| {
+            told(0.2 * share)
+        })
+        .ok()?;
         in_room(first, samples, rate_hz, settings, &|share| told(0.2 + 0.65 * share))
     };
     if let Some(found) = may_have_room.then(begun_in_room).flatten() {
@@ -139,7 +143,7 @@ fn thing<'a>(
     }
     let [from, to] = if may_have_room { [0.25, 0.5] } else { [0.0, 0.85] };
     let told_dry = |share: f64| told(from + (to - from) * share);
-    let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, layout, &told_dry)?;
+    let (fitted, whitening) = dry(samples, (onsets, free), rate_hz, settings, (layout, StartSearch::DRY), &told_dry)?;
     // A room that a poor start hides is heard behind a whole fit.
     if may_have_room && energy(&fitted.residual) > COLOURED * fitted.energy {
         let told = |share: f64| told(to + (0.85 - to) * share);

@@ -17,6 +17,7 @@ use super::model::{Model, Strike};
 use super::passes::completed_fit;
 use super::reflections::{FLAT_T60_S, UNKNOWN_T60_S, measured, reflected, response};
 use super::rises::rises;
+use super::start::StartSearch;
 use super::whitening::{ORDER, Whitening};
 use crate::bark::Spectrum;
 use crate::modes::Settings;
@@ -115,7 +116,10 @@ impl InRoom {
             let onsets = rises(&self.dry, rate_hz);
             let few = Settings { most_modes: settings.most_modes.min(MORE_MODES), ..settings };
             let free = free_modes(&self.dry, &onsets, Guard::OF_RISE, rate_hz, few, &[])?;
-            dry(&self.dry, (onsets, free), rate_hz, settings, layout, &|share| told(0.5 + 0.5 * share)).ok()
+            dry(&self.dry, (onsets, free), rate_hz, settings, (layout, StartSearch::IN_ROOM), &|share| {
+                told(0.5 + 0.5 * share)
+            })
+            .ok()
         };
         let told = |share: f64| told(0.5 * share);
         let continued = completed_fit(self.fitted.clone(), &self.dry, rate_hz, settings, layout, &told).ok();
@@ -182,7 +186,16 @@ mod tests {
         let onsets = rises(&sound.samples, sound.rate_hz);
         let settings = Settings { most_modes, ..Settings::default() };
         let free = free_modes(&sound.samples, &onsets, Guard::OF_RISE, sound.rate_hz, settings, &[])?;
-        let first = begun(&sound.samples, &free, (&onsets, &onsets), sound.rate_hz, Layout::default(), &|_| {}).ok()?;
+        let first = begun(
+            &sound.samples,
+            &free,
+            (&onsets, &onsets),
+            sound.rate_hz,
+            Layout::default(),
+            StartSearch::IN_ROOM,
+            &|_| {},
+        )
+        .ok()?;
         in_room(first, &sound.samples, sound.rate_hz, settings, &|_| {})
     }
 

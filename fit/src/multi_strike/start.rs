@@ -17,10 +17,6 @@ use crate::modes::Pole;
 
 type C64 = Complex<f64>;
 
-/// Number of contact times of the strongest strike at which all strikes are looked up.
-const TRIED: usize = 40;
-/// Number of contact times on either side of each to which the strikes are followed.
-const FOLLOWED: i32 = 2;
 /// Ratio of neighbouring contact times. A mode of 5 kHz is not rung by contacts of 0.9 or 1.1 ms,
 /// but by those of 1 ms: coarser steps miss the right time.
 const FINER: f64 = 1.0193;
@@ -30,6 +26,27 @@ const LOOKS: usize = 2;
 const STEADY: f64 = 6.0;
 /// Least number of modes that contacts are started from.
 const LEAST_MODES: usize = 4;
+
+/// Extent of the search for starting models.
+#[derive(Clone, Copy)]
+pub(super) struct StartSearch {
+    /// Number of contact times of the strongest strike at which all strikes are looked up.
+    tried: usize,
+    /// Number of contact times on either side of each to which the strikes are followed.
+    followed: i32,
+    /// Maximum number of starts that are aligned, those first that explain most of the ringing.
+    pub(super) aligned: usize,
+    /// True if a right start leaves only noise, within the contacts too.
+    pub(super) leaves_noise: bool,
+}
+
+impl StartSearch {
+    /// Search in a sound without a room.
+    pub(super) const DRY: Self = Self { tried: 40, followed: 2, aligned: usize::MAX, leaves_noise: true };
+    /// Search in a sound with a room, whose reflections no start explains. Of more starts some
+    /// wrong ones leave less: the sets *room* lose strikes.
+    pub(super) const IN_ROOM: Self = Self { tried: 20, followed: 0, aligned: 14, leaves_noise: false };
+}
 
 /// Starting models of the strikes near `onsets`, the best first: one for each contact time tried.
 ///
@@ -41,7 +58,7 @@ pub(crate) fn starts(
     (onsets, usable): (&[usize], &[usize]),
     poles: &[Pole],
     rate_hz: f64,
-    attempt: usize,
+    (attempt, search): (usize, StartSearch),
 ) -> Vec<Model> {
     // The second start differs in kind.
     let told = if attempt == 1 { Told::Alone } else { Told::Together };
@@ -58,9 +75,9 @@ pub(crate) fn starts(
     let strengths: Vec<f64> = changes.iter().map(strength_of).collect();
     let Some(first) = strongest_but(&strengths, attempt) else { return Vec::new() };
     let looked_at = Grid::new(exponents_of(poles), rate_hz);
-    let mut found: Vec<(f64, Model)> = contact_times(TRIED, rate_hz)
+    let mut found: Vec<(f64, Model)> = contact_times(search.tried, rate_hz)
         .into_par_iter()
-        .flat_map_iter(|time| from_trial(&changes, first, time, poles, &looked_at))
+        .flat_map_iter(|time| from_trial(&changes, (first, time), poles, &looked_at, search.followed))
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|(_, model)| model).collect()
@@ -138,7 +155,13 @@ const NOWHERE: Contact = Contact { middle: 0.0, time: 1.0, peak: 0.0 };
 /// Models for contact times of the strike `first` near a trial one, with their misfits.
 ///
 /// All strikes are looked up on the grid at the trial time, and followed from there to the others.
-fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid: &Grid) -> Vec<(f64, Model)> {
+fn from_trial(
+    changes: &[Change],
+    (first, time): (usize, f64),
+    poles: &[Pole],
+    grid: &Grid,
+    followed: i32,
+) -> Vec<(f64, Model)> {
     let loud = &changes[first];
     let strengths: Vec<C64> = grid.exponents.iter().map(|s| strength(*s, time).value).collect();
     let mut gains: Vec<C64> = loud.amplitudes.iter().zip(&strengths).map(|(a, strength)| a / strength).collect();
@@ -154,7 +177,7 @@ fn from_trial(changes: &[Change], first: usize, time: f64, poles: &[Pole], grid:
     let mut found = vec![(left, model_of(changes, poles, &contacts, &gains))];
     for factor in [FINER, 1.0 / FINER] {
         let (mut contacts, mut gains) = (contacts.clone(), gains.clone());
-        for step in 1..=FOLLOWED {
+        for step in 1..=followed {
             let all_longer = (time * factor.powi(step)).powi(2) - contacts[first].time.powi(2);
             contacts.iter_mut().for_each(|contact| grid.lengthen(contact, all_longer));
             let shapes: Vec<Shapes> = contacts.iter().map(|contact| grid.shapes(contact)).collect();
@@ -210,7 +233,7 @@ mod tests {
             apart.sort_by(f64::total_cmp);
             apart[apart.len() / 2]
         };
-        let found = starts(&white, (&onsets, &onsets), &poles, sound.rate_hz, 0);
+        let found = starts(&white, (&onsets, &onsets), &poles, sound.rate_hz, (0, StartSearch::DRY));
         assert!(found.iter().all(|model| model.strikes.len() == 10));
         let least = found.iter().map(error).fold(f64::INFINITY, f64::min);
         assert!(least < 0.05, "contact times of the best start are wrong by {least}");
