@@ -140,13 +140,14 @@ fn nearest(
 /// Aligned starting models, the one that leaves least first, whose strongest contacts lie apart:
 /// others descend to one model.
 ///
-/// Models with positions differ in more than their contacts, and all are kept: without this, seed
-/// 306 of the set *places* ended 4 dB over the noise.
+/// Models with positions differ in more than their contacts. All that leave different energies are
+/// kept: without this, `cargo bench -p fit --bench strikes -- 1 306 places` left 4 dB over the
+/// noise.
 fn apart(starts: &[Model], samples: &[f64], rate_hz: f64, search: StartSearch) -> Vec<Model> {
     let mut aligned: Vec<(f64, Model)> =
         starts.par_iter().take(search.aligned).map(|start| aligned(start, samples, rate_hz)).collect();
     aligned.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Trials that ended in one model.
+    // Starts from different contact times may have ended in one model.
     aligned.dedup_by(|a, b| (a.0 / b.0 - 1.0).abs() < SAME);
     let is_near = |a: Contact, b: Contact| {
         (a.time / b.time).ln().abs() < APART.ln() && (a.middle - b.middle).abs() < APART_SAMPLES
@@ -166,8 +167,9 @@ fn strongest_contact(model: &Model) -> Option<Contact> {
     model.strikes.get(model.strongest()).map(|strike| strike.contact)
 }
 
-/// True if a fit leaves little more than noise, within the contacts too; in a room if it leaves at
-/// most a multiple of the noise.
+/// True if a fit leaves little more than noise, within the contacts too.
+///
+/// In a room contacts leave reflections: there it may leave `most_in_room` times the noise.
 fn explains(fitted: &Fitted, variance: f64, most_in_room: f64, search: StartSearch) -> bool {
     let left = fitted.noise_rms().powi(2) / variance;
     if search.leaves_noise {

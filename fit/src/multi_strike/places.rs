@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::amplitudes::Change;
 use super::contact::{Contact, strength};
-use super::contact_grid::contact_times;
+use super::contact_grid::{contact_times, exponents_of};
 use super::layout::Layout;
 use super::model::{Model, Strike};
 use super::seriation;
@@ -58,7 +58,7 @@ pub(crate) fn starts_at_places(
     layout: Layout,
     attempt: usize,
 ) -> Vec<Model> {
-    let exponents: Vec<C64> = poles.iter().map(|pole| C64::new(-pole.decay, pole.angular)).collect();
+    let exponents = exponents_of(poles);
     let Some((shifts, phases)) = timed(changes, &exponents, rate_hz, attempt) else { return Vec::new() };
     let turned: Vec<Turned> =
         changes.iter().zip(&shifts).map(|(change, shift)| turned(change, *shift, &exponents, &phases)).collect();

@@ -34,7 +34,8 @@ pub(super) struct StartSearch {
     tried: usize,
     /// Number of contact times on either side of each to which the strikes are followed.
     followed: i32,
-    /// Maximum number of starts that are aligned, those first that explain most of the ringing.
+    /// Maximum number of starts that are aligned, beginning with the one that explains most of the
+    /// ringing.
     pub(super) aligned: usize,
     /// True if a right start leaves only noise, within the contacts too.
     pub(super) leaves_noise: bool,
@@ -50,7 +51,8 @@ impl StartSearch {
 
 /// Starting models of the strikes near `onsets`, the best first: one for each contact time tried.
 ///
-/// Gains are at first those of one strike: the strongest, or in later attempts the next strong one.
+/// The first gains come from one strike: the strongest, or at attempt n the one that n others
+/// exceed.
 /// Strikes that are not usable are left out, and those too close to their neighbours for an
 /// amplitude of their own.
 pub(crate) fn starts(

@@ -5,8 +5,10 @@ use super::path::{Knot, Piece};
 /// Highest speed of a motion in metres per second.
 pub const MOST_SPEED_M_PER_S: f64 = 10.0;
 
-/// Margin on the limit. A circle at just the limit is up to 0.002 % faster between two lines of the
-/// file, since cubic pieces stand for its arcs. An engine allows 0.005 %.
+/// Ratio to the limit that a speed may reach.
+///
+/// Cubic pieces stand for the arcs of a circle. If it is drawn at the limit, the pieces are up to
+/// 0.002 % faster between lines of the file. An engine allows 0.005 %.
 const MARGIN: f64 = 1.0 + 4e-5;
 
 /// Number of times that a piece is halved in search of a speed above the limit. The bound that is
