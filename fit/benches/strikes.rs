@@ -102,6 +102,9 @@ impl Tally {
             if let Some((index, strike)) = nearest.filter(|(_, strike)| apart(strike) < NEAR_S) {
                 taken[index] = true;
                 pairs.push((truth, strike, bound));
+            } else {
+                let (at_s, peak_db) = (truth.middle_s(), 20.0 * truth.peak_force.log10());
+                eprintln!("no strike within {:.0} ms of {at_s:.3} s, {peak_db:.1} dB:", 1e3 * NEAR_S);
             }
         }
         self.found += pairs.len();

@@ -71,3 +71,61 @@ impl Convolution {
         self.sound(a.iter().zip(b).map(|(a, b)| a * b.conj()).collect(), length)
     }
 }
+
+/// A long sound, for its correlation with others over lags that are far shorter than it.
+///
+/// Its parts are transformed one by one: transforms of a few times the lags are faster than those
+/// of the whole sound, and one inverse does for all of them.
+pub(crate) struct Correlation {
+    transforms: Convolution,
+    lags: usize,
+    /// Spectra of the sound's parts.
+    parts: Vec<Vec<Complex<f64>>>,
+}
+
+/// Length of the transforms of a [`Correlation`], in lags.
+const LAGS_IN_PART: usize = 4;
+
+impl Correlation {
+    /// Correlation with a sound over a number of lags from 0 on.
+    pub(crate) fn new(sound: &[f64], lags: usize) -> Self {
+        let lags = lags.max(1);
+        let transforms = Convolution::new(LAGS_IN_PART * lags);
+        let parts = sound.chunks(transforms.size() - lags).map(|part| transforms.spectrum(part)).collect();
+        Self { transforms, lags, parts }
+    }
+
+    /// Sums `Σ a[n + m] b[n]` over n for each lag m, b the sound of this correlation.
+    pub(crate) fn with(&self, a: &[f64]) -> Vec<f64> {
+        let size = self.transforms.size();
+        let mut sums = self.transforms.forward.make_output_vec();
+        for (index, part) in self.parts.iter().enumerate() {
+            // A part meets the samples up to the largest lag behind it.
+            let from = (index * (size - self.lags)).min(a.len());
+            let met = self.transforms.spectrum(&a[from..a.len().min(from + size)]);
+            sums.iter_mut().zip(&met).zip(part).for_each(|((sum, a), b)| *sum += a * b.conj());
+        }
+        self.transforms.sound(sums, self.lags)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::SplitMix64;
+
+    #[test]
+    fn correlation_part_by_part_is_the_plain_sum() {
+        let mut random = SplitMix64(3);
+        for (length, other, lags) in [(1_000, 1_000, 40), (997, 1_200, 64), (10, 300, 30), (0, 5, 4)] {
+            let mut noise = |length: usize| (0..length).map(|_| random.normal()).collect::<Vec<f64>>();
+            let (b, a) = (noise(length), noise(other));
+            let found = Correlation::new(&b, lags).with(&a);
+            assert_eq!(found.len(), lags);
+            for (lag, found) in found.iter().enumerate() {
+                let sum: f64 = a.get(lag..).unwrap_or(&[]).iter().zip(&b).map(|(a, b)| a * b).sum();
+                assert!((found - sum).abs() < 1e-9, "{length} {lag}: {found} {sum}");
+            }
+        }
+    }
+}

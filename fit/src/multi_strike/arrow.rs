@@ -157,6 +157,13 @@ impl Arrow {
         Some(Cholesky::new(corner)?.inverse())
     }
 
+    /// Covariance and right side of the shared parameters with those of the band held.
+    ///
+    /// As [`Self::held_shared_covariance`].
+    pub(crate) fn held_shared(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        Some((self.held_shared_covariance(damping)?, self.right_shared.clone()))
+    }
+
     /// Solution with a factor of these equations: parameters of the band, then the shared ones.
     pub(crate) fn solve(&self, factor: &Factor) -> (DVector<f64>, DVector<f64>) {
         let mut along = self.right.clone();

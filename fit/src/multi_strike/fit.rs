@@ -129,7 +129,7 @@ fn thing<'a>(
     layout: Layout,
     told: &dyn Fn(f64),
 ) -> Result<Thing<'a>, StrikesError> {
-    let wet = |InRoom { fitted, whitening, dry, room }| Thing { fitted, whitening, dry: Cow::Owned(dry), room };
+    let wet = |InRoom { fitted, whitening, dry, room, .. }| Thing { fitted, whitening, dry: Cow::Owned(dry), room };
     let begun_in_room = || {
         let usable = usable(samples, &onsets, rate_hz);
         let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, StartSearch::IN_ROOM, &|share| {

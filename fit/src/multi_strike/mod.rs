@@ -25,11 +25,13 @@ mod clipping;
 mod completion;
 mod contact;
 mod contact_grid;
+mod derivatives;
 mod descend;
 mod dry;
 mod equations;
 mod error;
 mod estimate;
+mod fading;
 mod fit;
 mod free;
 #[cfg(test)]

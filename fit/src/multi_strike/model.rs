@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 
 use super::contact::Contact;
 use super::spline::Weights;
@@ -103,6 +103,19 @@ impl Model {
     pub(crate) fn columns_of(&self, mode: usize) -> impl Iterator<Item = usize> + use<> {
         let first = self.gain_column(mode);
         [2 * mode, 2 * mode + 1].into_iter().chain(first..first + 2 * self.gains[mode].len())
+    }
+
+    /// Steps poles and gains of a model with one place along given shared parameters.
+    ///
+    /// A step changes a decay by a factor of 2 at most, and a frequency by the decay.
+    pub(crate) fn step_shared(&mut self, step: &DVector<f64>) {
+        for mode in 0..self.poles.len() {
+            let column = self.gain_column(mode);
+            let pole = &mut self.poles[mode];
+            pole.angular += step[2 * mode + 1].clamp(-pole.decay, pole.decay);
+            pole.decay = (pole.decay + step[2 * mode]).clamp(0.5 * pole.decay, 2.0 * pole.decay);
+            self.gains[mode][0] += C64::new(step[column], step[column + 1]);
+        }
     }
 
     /// Index of the strike with the largest peak, which fixes the unit of force.
