@@ -51,6 +51,11 @@ impl Fitted {
         (self.energy / self.residual.len().max(1) as f64).sqrt()
     }
 
+    /// Power of all that is left.
+    pub(super) fn mean_power(&self) -> f64 {
+        self.residual.iter().map(|x| x * x).sum::<f64>() / self.residual.len().max(1) as f64
+    }
+
     /// Power that is left within the contacts.
     pub(super) fn left_in_contacts(&self) -> f64 {
         let segments = segments(&self.model.strikes, self.residual.len(), 0);
