@@ -68,14 +68,16 @@ pub(super) fn in_room(
         turn = anew.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.45 + 0.05 * share));
     }
     for round in 0..ROUNDS {
-        let told = |share: f64| told(0.5 + 0.4 * (round as f64 + share) / ROUNDS as f64);
-        let Some(next) = turn.continued(rate_hz, settings, &|share| told(0.4 * share)) else { break };
-        let next = next.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.4 + 0.6 * share));
+        let told = |share: f64| told(0.5 + 0.5 * (round as f64 + share) / ROUNDS as f64);
+        let Some(next) = turn.continued(rate_hz, settings, &|share| told(0.2 * share)) else { break };
+        let next = next.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.2 + 0.2 * share));
         let mut next = next.without_echoes(rate_hz)?;
         // Contacts that are right leave no more than the ringing behind them.
         if next.fitted.left_in_contacts() > CONTACTS_EXPLAINED * next.fitted.mean_power() {
-            if let Some(anew) = next.begun_anew(StartSearch::DRY, rate_hz, settings, &|_| {}) {
-                next = anew.next(samples, rate_hz).descended().settled(samples, rate_hz, &|_| {});
+            let told_anew = |share: f64| told(0.4 + 0.4 * share);
+            if let Some(anew) = next.begun_anew(StartSearch::DRY, rate_hz, settings, &told_anew) {
+                next =
+                    anew.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.8 + 0.2 * share));
             }
         }
         let is_settled = energy(&next.fitted.residual) > COMPLETE * energy(&turn.fitted.residual);
