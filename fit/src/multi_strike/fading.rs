@@ -1,11 +1,11 @@
 //! Fading of a room, measured by its response at the frequencies of the modes.
 //!
 //! The response is noise that fades, and an estimate of it holds at the modes' frequencies alone.
-//! There the power of a window has an exponential distribution with the mean
-//! `a e^{-rt} + b_k`: a and r are those of the mode's octave, and b_k is the error of the estimate
-//! at mode k. The most likely a and b_k follow from expectation and maximisation in turn for each r
-//! of a grid. The rates of all octaves follow from the likelihoods together, since neighbouring
-//! octaves fade alike.
+//! There the power of a window has an exponential distribution with the mean `a e^{-rt} + b_k`.
+//! An octave has one power a and one rate r; b_k is the power of the estimate's error at mode k.
+//! Each rate of a grid is tried: the expectation-maximisation algorithm finds the most likely a and
+//! b_k for it. The rates of all octaves are then chosen together, since neighbouring octaves fade
+//! alike.
 
 use crate::modes::{Pole, project};
 use crate::room::{Room, RoomBand, T60_S, octave_of, of_bands};

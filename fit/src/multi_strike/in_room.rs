@@ -2,10 +2,10 @@
 //!
 //! The first strikes are taken from rises of the level in the ear's bands. A room's sound only
 //! fades, so it adds no rises.
-//! Modes and contacts are fitted to the sound as if it were dry. Then poles, gains and the response
-//! take steps together ([`super::reflections`]), and between the steps the thing is fitted to the
-//! recording without the room's sound. That sound also tells strikes and modes that the first fit
-//! lacks.
+//! Modes and contacts are first fitted as if the sound were dry. Then a step improves the modes and
+//! the room's response at once ([`super::reflections`]), the room's sound is subtracted from the
+//! recording, and the thing is fitted to the rest; this repeats. Strikes and modes that the first
+//! fit lacks are found in the sound without the room.
 
 use super::begin::at_best_time;
 use super::derivatives::sound;
@@ -65,19 +65,18 @@ pub(super) fn in_room(
     turn = turn.next(samples, rate_hz);
     let told_anew = |share: f64| told(0.25 + 0.2 * share);
     if let Some(anew) = turn.begun_anew(StartSearch::IN_ROOM, rate_hz, settings, &told_anew) {
-        turn = anew.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.45 + 0.05 * share));
+        turn = anew.fitted_again(samples, rate_hz, &|share| told(0.45 + 0.05 * share));
     }
     for round in 0..ROUNDS {
         let told = |share: f64| told(0.5 + 0.5 * (round as f64 + share) / ROUNDS as f64);
         let Some(next) = turn.continued(rate_hz, settings, &|share| told(0.2 * share)) else { break };
-        let next = next.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.2 + 0.2 * share));
+        let next = next.fitted_again(samples, rate_hz, &|share| told(0.2 + 0.2 * share));
         let mut next = next.without_echoes(rate_hz)?;
         // Contacts that are right leave no more than the ringing behind them.
         if next.fitted.left_in_contacts() > CONTACTS_EXPLAINED * next.fitted.mean_power() {
             let told_anew = |share: f64| told(0.4 + 0.4 * share);
             if let Some(anew) = next.begun_anew(StartSearch::DRY, rate_hz, settings, &told_anew) {
-                next =
-                    anew.next(samples, rate_hz).descended().settled(samples, rate_hz, &|share| told(0.8 + 0.2 * share));
+                next = anew.fitted_again(samples, rate_hz, &|share| told(0.8 + 0.2 * share));
             }
         }
         let is_settled = energy(&next.fitted.residual) > COMPLETE * energy(&turn.fitted.residual);
@@ -178,6 +177,11 @@ impl InRoom {
         dried(self.fitted, [&self.dry, samples], rate_hz, self.assumed_t60_s)
     }
 
+    /// Thing and room fitted together, beginning with the room that the thing now leaves.
+    fn fitted_again(self, samples: &[f64], rate_hz: f64, told: &dyn Fn(f64)) -> Self {
+        self.next(samples, rate_hz).descended().settled(samples, rate_hz, told)
+    }
+
     /// Thing and room fitted together, until little is gained.
     ///
     /// The response is taken to fade with the T60 that was measured last. If it may fade as it
@@ -233,8 +237,8 @@ impl InRoom {
 
 /// Maximum number of rounds in which the fit is completed, and fitted with the room again.
 const ROUNDS: usize = 3;
-/// Ratio of the power that is left within contacts to that of all that is left up to which they are
-/// explained: 1.2 dB. Sets *room* whose contacts are right have -1 dB, and others 3 dB or more.
+/// Largest ratio of the residual's power within contacts to its power over the whole recording at
+/// which contacts are explained: 1.2 dB.
 const CONTACTS_EXPLAINED: f64 = 1.3;
 /// Ratio of what is left after a round to what was left before from which the rounds end: -0.2 dB.
 const COMPLETE: f64 = 0.95;
