@@ -1,10 +1,10 @@
 //! Measures the joint fit on synthetic recordings of many strikes, beside the Cramer-Rao bounds.
 //!
-//! `cargo bench -p fit --bench strikes` prints medians over six seeds of three sets;
+//! `cargo bench -p fit --bench strikes` prints medians over six seeds of four sets;
 //! `-- SEEDS FIRST` chooses the number of seeds and the first one, `-- SEEDS FIRST SET` one set of
-//! `plain`, `places` and `room`; `-- time` prints how time and memory grow with the length, and
-//! `-- time 30 1800` those of recordings of 30 s and of 30 minutes; `-- twice SEEDS FIRST` prints
-//! how much longer 60 s take than 30 s.
+//! `plain`, `clipped`, `places` and `room`; `-- time` prints how time and memory grow with the
+//! length, and `-- time 30 1800` those of recordings of 30 s and of 30 minutes;
+//! `-- twice SEEDS FIRST` prints how much longer 60 s take than 30 s.
 
 use cpu_time::ProcessTime;
 use fit::modes::Settings;
@@ -211,22 +211,35 @@ fn main() {
     }
     let is_chosen = |set: &str| {
         words.iter().any(|word| word == set)
-            || !["plain", "places", "room"].iter().any(|any| words.iter().any(|word| word == any))
+            || !["plain", "places", "room", "clipped"].iter().any(|any| words.iter().any(|word| word == any))
     };
     let one_place = Layout::default();
     if is_chosen("plain") {
         let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
-        measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), one_place, of_plain);
+        measure("plain: 50 strikes in 30 s, white noise -60 dBFS", seeds.clone(), one_place, WHOLE, of_plain);
+    }
+    if is_chosen("clipped") {
+        let of_plain = |seed: u64| plain(seed, 30.0, 50, -60.0);
+        for share in [0.7, 0.45] {
+            let name = format!("clipped: plain, clipped at {share} of its peak; bounds without clipping");
+            measure(&name, seeds.clone(), one_place, share, of_plain);
+        }
     }
     if is_chosen("places") {
         let of_places = |seed: u64| at_places(seed, 60.0, 90);
         let layout = Layout { positions: 8, strikers: 2 };
-        measure("places: 90 strikes in 60 s, pink noise -60 dBFS; 8 positions", seeds.clone(), layout, of_places);
+        measure(
+            "places: 90 strikes in 60 s, pink noise -60 dBFS; 8 positions",
+            seeds.clone(),
+            layout,
+            WHOLE,
+            of_places,
+        );
     }
     if is_chosen("room") {
         let of_room = |seed: u64| in_room(seed, 30.0, 50);
         let name = "room: plain in a room, pink noise -56 dBFS; bounds without the room";
-        measure(name, seeds, one_place, of_room);
+        measure(name, seeds, one_place, WHOLE, of_room);
     }
 }
 
@@ -283,14 +296,24 @@ fn peak_memory_mb() -> Option<f64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0 / 1e6)
 }
 
-/// Fits a set of sounds, and prints the errors.
-fn measure(name: &str, seeds: std::ops::Range<u64>, layout: Layout, sound: impl Fn(u64) -> StruckOften) {
+/// Share of a sound's peak at which it is clipped so that nothing is.
+const WHOLE: f64 = 1.0;
+
+/// Fits a set of sounds that are clipped at a share of their peaks, and prints the errors.
+fn measure(
+    name: &str,
+    seeds: std::ops::Range<u64>,
+    layout: Layout,
+    clipped_at: f64,
+    sound: impl Fn(u64) -> StruckOften,
+) {
     let mut tally = Tally::default();
     let (sets, mut fits) = (seeds.clone().count(), 0);
     for seed in seeds {
         let sound = sound(seed);
+        let clipped = sound.clipped(clipped_at);
         let start = ProcessTime::now();
-        let fitted = estimate(&sound.samples, sound.rate_hz, Settings::default(), layout, |_| {});
+        let fitted = estimate(&clipped, sound.rate_hz, Settings::default(), layout, |_| {});
         let seconds = start.elapsed().as_secs_f64();
         match (fitted, cramer_rao(&sound)) {
             (Ok(fitted), Some(bounds)) => {

@@ -51,7 +51,7 @@ const FAR_OFF: f64 = 50.0;
 pub(super) fn begun(
     samples: &[f64],
     free: &FreeModes,
-    (onsets, usable): (&[usize], &[usize]),
+    onsets: &[usize],
     rate_hz: f64,
     layout: Layout,
     search: StartSearch,
@@ -60,7 +60,7 @@ pub(super) fn begun(
     let mut best: Option<Fitted> = None;
     for attempt in 0..STARTS {
         let told = |share: f64| told((attempt as f64 + share) / STARTS as f64);
-        let starts = started(samples, free, (onsets, usable), rate_hz, (layout, attempt), search);
+        let starts = started(samples, free, onsets, rate_hz, (layout, attempt), search);
         told(0.2);
         let Some(next) = nearest(&starts, samples, free.variance, rate_hz, search, &told) else { break };
         if best.as_ref().is_none_or(|best| next.energy < best.energy) {
@@ -76,7 +76,7 @@ pub(super) fn begun(
     if is_explained || layout != Layout::default() || !contradicts_sound(&best.model, samples, rate_hz) {
         return Ok(at_best_time(best, samples, &Whitening::none()).fitted);
     }
-    let starts = started(samples, free, (onsets, usable), rate_hz, (layout, 0), search);
+    let starts = started(samples, free, onsets, rate_hz, (layout, 0), search);
     // Times are heard alike near the beginnings of all starts.
     let heard = apart(&starts, samples, rate_hz, search)
         .into_iter()
@@ -88,14 +88,14 @@ pub(super) fn begun(
     Ok(at_best_time(held, samples, &Whitening::none()).fitted)
 }
 
-/// Models of the contacts of the usable strikes that explain the changes of amplitudes best.
+/// Models of the contacts that explain the changes of amplitudes best.
 ///
 /// The gains are at first those of the strongest strike, or in later attempts of the next strong
 /// ones. Empty if there is no such strike.
 fn started(
     samples: &[f64],
     free: &FreeModes,
-    (onsets, usable): (&[usize], &[usize]),
+    onsets: &[usize],
     rate_hz: f64,
     (layout, attempt): (Layout, usize),
     search: StartSearch,
@@ -103,10 +103,9 @@ fn started(
     let whole = free.whitening.filtered(samples, 0..samples.len());
     let white = White { samples: &whole, whitening: &free.whitening, variance: free.white_variance };
     if layout == Layout::default() {
-        return starts(&white, (onsets, usable), &free.poles, rate_hz, (attempt, search));
+        return starts(&white, onsets, &free.poles, rate_hz, (attempt, search));
     }
-    let mut changes = changes_of(&white, onsets, &free.poles, rate_hz, Told::Together);
-    changes.retain(|change| usable.contains(&change.at));
+    let changes = changes_of(&white, onsets, &free.poles, rate_hz, Told::Together);
     starts_at_places(&changes, &free.poles, rate_hz, layout, attempt)
 }
 

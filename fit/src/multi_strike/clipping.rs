@@ -1,6 +1,5 @@
-//! Clipped strikes: they tell no contacts; what they ring is found in what the others leave.
+//! Strikes of which samples are clipped.
 
-use super::error::LEAST_STRIKES;
 use crate::clipping::Limits;
 
 /// Time in seconds before and behind a strike's beginning in which it may be clipped.
@@ -9,14 +8,6 @@ const CLIPPED_S: [f64; 2] = [0.003, 0.02];
 /// Distance below which two samples are equal, full scale 1: noise that was added and taken off
 /// leaves its rounding.
 const EQUAL: f64 = 1e-12;
-
-/// Moments near which strikes begin that are not clipped; all, if too few are not.
-pub(super) fn usable(samples: &[f64], onsets: &[usize], rate_hz: f64) -> Vec<usize> {
-    let limits = Limits::of(samples);
-    let is_sound = |onset: &usize| !is_clipped(samples, *onset, rate_hz, limits);
-    let sound: Vec<usize> = onsets.iter().copied().filter(is_sound).collect();
-    if sound.len() < LEAST_STRIKES { onsets.to_vec() } else { sound }
-}
 
 /// True if the sound stands still at one of its limits near a moment at which a strike begins.
 pub(crate) fn is_clipped(samples: &[f64], onset: usize, rate_hz: f64, limits: Limits) -> bool {

@@ -3,7 +3,6 @@
 
 use super::begin::begun;
 use super::changes::changes;
-use super::clipping::usable;
 use super::descend::Fitted;
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
@@ -32,11 +31,8 @@ pub(super) fn dry(
 ) -> Result<(Fitted, Whitening), StrikesError> {
     let (free, all) = between_strikes(samples, rate_hz, from, settings, &|share| told(0.3 * share))?;
     StrikesError::refuse_few_for(layout, all.len())?;
-    let usable = usable(samples, &all, rate_hz);
-    let first = begun(samples, &free, (&all, &usable), rate_hz, layout, search, &|share| told(0.3 + 0.3 * share))?;
-    if usable.len() == all.len() {
-        StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
-    }
+    let first = begun(samples, &free, &all, rate_hz, layout, search, &|share| told(0.3 + 0.3 * share))?;
+    StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
     completed_fit(first, samples, rate_hz, settings, layout, &|share| told(0.6 + 0.4 * share))
 }
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::added_noise::added_noise;
 use super::clipping::is_clipped;
+use super::declipping::Clipped;
 use super::descend::{Deviations, Fitted};
 use super::error::StrikesError;
 use super::fit::fit;
@@ -100,7 +101,8 @@ pub struct Estimate {
     pub acceleration: f64,
     /// Standard deviation of the acceleration sound; 0 if there is none.
     pub acceleration_sd: f64,
-    /// Rms of what the model leaves of the recording, in dB of full scale.
+    /// Rms of what the model leaves of the recording, in dB of full scale. Clipped samples count as
+    /// the fit has replaced them.
     pub left_dbfs: f64,
     /// Room, if one is heard; what is left is left without it.
     pub room: Option<Room>,
@@ -165,13 +167,20 @@ fn of_samples(
         furthest.set(share.max(furthest.get()));
         told(furthest.get());
     };
+    let clipped = Clipped::of(samples);
     let noise = added_noise(samples, rate_hz);
     if let Some(noise) = noise {
         noise.add_to(samples.to_mut(), 1.0);
     }
-    let joint = fit(samples, rate_hz, settings, layout, &told);
+    let joint = match &clipped {
+        Some(clipped) => clipped.fitted(samples.to_mut(), rate_hz, settings, layout, &told),
+        None => fit(samples, rate_hz, settings, layout, &told),
+    };
     if let Some(noise) = noise {
         noise.add_to(samples.to_mut(), -1.0);
+    }
+    if let Some(clipped) = &clipped {
+        clipped.put_back(samples.to_mut());
     }
     let mut joint = joint?;
     if let Some(noise) = noise {

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use super::begin::{AtBestTime, at_best_time, begun};
-use super::clipping::usable;
 use super::descend::{Deviations, Ending, Fitted, descend, deviations};
 use super::dry::dry;
 use super::error::StrikesError;
@@ -131,11 +130,8 @@ fn thing<'a>(
 ) -> Result<Thing<'a>, StrikesError> {
     let wet = |InRoom { fitted, whitening, dry, room, .. }| Thing { fitted, whitening, dry: Cow::Owned(dry), room };
     let begun_in_room = || {
-        let usable = usable(samples, &onsets, rate_hz);
-        let first = begun(samples, &free, (&onsets, &usable), rate_hz, layout, StartSearch::IN_ROOM, &|share| {
-            told(0.2 * share)
-        })
-        .ok()?;
+        let first =
+            begun(samples, &free, &onsets, rate_hz, layout, StartSearch::IN_ROOM, &|share| told(0.2 * share)).ok()?;
         in_room(first, samples, rate_hz, settings, &|share| told(0.2 + 0.65 * share))
     };
     if let Some(found) = may_have_room.then(begun_in_room).flatten() {

@@ -53,8 +53,8 @@ const PASSES: usize = 16;
 
 /// Stretch behind each strike in which the modes ring freely; empty if there is no time for one.
 pub(crate) fn stretches(onsets: &[usize], guard: Guard, length: usize, rate_hz: f64) -> Vec<Range<usize>> {
-    let [guard, lead, shortest] =
-        [guard.behind_s, guard.before_s, SHORTEST_S].map(|seconds| samples_in(seconds, rate_hz));
+    let [guard, lead] = [guard.behind_s, guard.before_s].map(|seconds| samples_in(seconds, rate_hz));
+    let shortest = shortest(rate_hz);
     let ends = onsets.iter().skip(1).map(|next| next.saturating_sub(lead)).chain([length]);
     let of_strike = |(onset, end): (&usize, usize)| {
         let start = (onset + guard).min(length);
@@ -63,13 +63,19 @@ pub(crate) fn stretches(onsets: &[usize], guard: Guard, length: usize, rate_hz: 
     onsets.iter().zip(ends).map(of_strike).collect()
 }
 
+/// Least length of a stretch in samples.
+pub(super) fn shortest(rate_hz: f64) -> usize {
+    samples_in(SHORTEST_S, rate_hz)
+}
+
 fn samples_in(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz) as usize
 }
 
-fn loudest_stretches(samples: &[f64], onsets: &[usize], guard: Guard, rate_hz: f64, most: usize) -> Vec<Range<usize>> {
-    let mut chosen: Vec<Range<usize>> = stretches(onsets, guard, samples.len(), rate_hz)
-        .into_iter()
+/// The stretches of most energy, of each at most [`LONGEST_S`]; in order of time.
+fn loudest(samples: &[f64], stretches: &[Range<usize>], rate_hz: f64, most: usize) -> Vec<Range<usize>> {
+    let mut chosen: Vec<Range<usize>> = stretches
+        .iter()
         .filter(|stretch| !stretch.is_empty())
         .map(|stretch| stretch.start..stretch.end.min(stretch.start + samples_in(LONGEST_S, rate_hz)))
         .collect();
@@ -93,7 +99,19 @@ pub(crate) fn free_modes(
     settings: Settings,
     known: &[Pole],
 ) -> Option<FreeModes> {
-    let chosen = loudest_stretches(samples, onsets, guard, rate_hz, MOST_STRETCHES);
+    let stretches = stretches(onsets, guard, samples.len(), rate_hz);
+    free_modes_of(samples, &stretches, rate_hz, settings, known)
+}
+
+/// Modes that ring in stretches, searched for from known ones on; `None` if all are empty.
+pub(super) fn free_modes_of(
+    samples: &[f64],
+    stretches: &[Range<usize>],
+    rate_hz: f64,
+    settings: Settings,
+    known: &[Pole],
+) -> Option<FreeModes> {
+    let chosen = loudest(samples, stretches, rate_hz, MOST_STRETCHES);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
     let range = search_range(length, rate_hz, settings);
@@ -180,7 +198,8 @@ fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
 /// Modes that ring in what a model leaves between its strikes, each stretch with an amplitude of
 /// its own; the most significant first.
 pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settings: Settings) -> Vec<Pole> {
-    let chosen = loudest_stretches(residual, onsets, Guard::OF_CHANGE, rate_hz, MOST_LEFT_OVER);
+    let stretches = stretches(onsets, Guard::OF_CHANGE, residual.len(), rate_hz);
+    let chosen = loudest(residual, &stretches, rate_hz, MOST_LEFT_OVER);
     let Some(length) = chosen.iter().map(Range::len).max() else { return Vec::new() };
     let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
     let noise = NoiseFloor::of_residual(&residuals.concat());

@@ -22,17 +22,21 @@ fn found(sound: &StruckOften, estimate: &Estimate) -> (usize, usize) {
 const FLAGGED_DB: f64 = 9.0;
 
 #[test]
-fn clipped_strikes_are_found_and_flagged() {
+fn clipped_strikes_are_flagged_and_all_contacts_are_found() {
     let sound = plain(8, 6.0, 10, -60.0);
-    let limit = 0.7 * sound.samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let clipped: Vec<f64> = sound.samples.iter().map(|x| x.clamp(-limit, limit)).collect();
-    let fit = fitted(&clipped, sound.rate_hz).expect("strikes are told");
-    // A clipped attack does not tell its time: the strike is found within 10 ms.
-    let near = |middle_s: f64| fit.strikes.iter().any(|strike| (strike.middle_s - middle_s).abs() < 1e-2);
-    let all = sound.strikes.iter().filter(|strike| near(strike.middle_s())).count();
-    assert!(all == 10 && fit.strikes.len() <= 12, "{all} of 10, {} reported", fit.strikes.len());
+    let fit = fitted(&sound.clipped(0.7), sound.rate_hz).expect("strikes are told");
+    assert_eq!(fit.strikes.len(), 10);
     let flagged = fit.strikes.iter().filter(|strike| strike.is_clipped).count();
     assert!((1..5).contains(&flagged), "{flagged} are flagged");
+    for (found, truth) in fit.strikes.iter().zip(&sound.strikes) {
+        let apart_us = 1e6 * (found.middle_s - truth.middle_s());
+        let off_percent = 100.0 * (found.contact_time_s / truth.contact_time_s - 1.0);
+        println!("{apart_us:.1} us, {off_percent:.2} %, clipped: {}", found.is_clipped);
+        assert!(apart_us.abs() < 5.0 && off_percent.abs() < 0.12, "{found:?} {truth:?}");
+    }
+    let over_db = fit.left_dbfs - 20.0 * sound.noise_rms.log10();
+    println!("{over_db:.3} dB over the noise");
+    assert!(over_db < 0.02, "{over_db} dB over the noise are left");
 }
 
 #[test]

@@ -281,16 +281,9 @@ mod tests {
         let onsets = rises(&sound.samples, sound.rate_hz);
         let settings = Settings { most_modes, ..Settings::default() };
         let free = free_modes(&sound.samples, &onsets, Guard::OF_RISE, sound.rate_hz, settings, &[])?;
-        let first = begun(
-            &sound.samples,
-            &free,
-            (&onsets, &onsets),
-            sound.rate_hz,
-            Layout::default(),
-            StartSearch::IN_ROOM,
-            &|_| {},
-        )
-        .ok()?;
+        let first =
+            begun(&sound.samples, &free, &onsets, sound.rate_hz, Layout::default(), StartSearch::IN_ROOM, &|_| {})
+                .ok()?;
         in_room(first, &sound.samples, sound.rate_hz, settings, &|_| {})
     }
 

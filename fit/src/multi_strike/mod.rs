@@ -11,9 +11,9 @@
 //!
 //! Recordings of several positions or strikers begin with `places` instead of `start`. For a
 //! recording in a room, `in_room` alternates between these steps and an estimate of the room's
-//! response (`reflections`). [`estimate()`] needs no
-//! knowledge of the forces. The folder `joint` fits modes and noise of one strike together; this
-//! one fits many strikes.
+//! response (`reflections`). For one with clipped samples, `declipping` alternates between all
+//! steps and those samples. [`estimate()`] needs no knowledge of the forces. The folder `joint`
+//! fits modes and noise of one strike together; this one fits many strikes.
 
 mod added_noise;
 mod alignment;
@@ -25,6 +25,7 @@ mod clipping;
 mod completion;
 mod contact;
 mod contact_grid;
+mod declipping;
 mod derivatives;
 mod descend;
 mod dry;

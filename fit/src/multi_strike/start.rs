@@ -53,24 +53,18 @@ impl StartSearch {
 ///
 /// The first gains come from one strike: the strongest, or at attempt n the one that n others
 /// exceed.
-/// Strikes that are not usable are left out, and those too close to their neighbours for an
-/// amplitude of their own.
+/// Strikes too close to their neighbours for an amplitude of their own are left out.
 pub(crate) fn starts(
     white: &White<'_>,
-    (onsets, usable): (&[usize], &[usize]),
+    onsets: &[usize],
     poles: &[Pole],
     rate_hz: f64,
     (attempt, search): (usize, StartSearch),
 ) -> Vec<Model> {
     // The second start differs in kind.
     let told = if attempt == 1 { Told::Alone } else { Told::Together };
-    let usable_changes = |poles: &[Pole]| {
-        let mut changes = changes_of(white, onsets, poles, rate_hz, told);
-        changes.retain(|change| usable.contains(&change.at));
-        changes
-    };
-    let poles = &steady(&usable_changes(poles), poles);
-    let changes = usable_changes(poles);
+    let poles = &steady(&changes_of(white, onsets, poles, rate_hz, told), poles);
+    let changes = changes_of(white, onsets, poles, rate_hz, told);
     let strength_of = |change: &Change| {
         change.amplitudes.iter().zip(&change.variances).map(|(a, v)| (1.0 + a.norm_sqr() / v).ln()).sum::<f64>()
     };
@@ -235,7 +229,7 @@ mod tests {
             apart.sort_by(f64::total_cmp);
             apart[apart.len() / 2]
         };
-        let found = starts(&white, (&onsets, &onsets), &poles, sound.rate_hz, (0, StartSearch::DRY));
+        let found = starts(&white, &onsets, &poles, sound.rate_hz, (0, StartSearch::DRY));
         assert!(found.iter().all(|model| model.strikes.len() == 10));
         let least = found.iter().map(error).fold(f64::INFINITY, f64::min);
         assert!(least < 0.05, "contact times of the best start are wrong by {least}");

@@ -176,7 +176,10 @@ fn flagged(estimate: &Estimate) -> Vec<String> {
     let mut notes = Vec::new();
     let clipped = times(|strike| strike.is_clipped);
     if !clipped.is_empty() {
-        notes.push(format!("clipped strikes, whose forces are uncertain: {} s", clipped.join(", ")));
+        notes.push(format!(
+            "clipped strikes, whose samples at the limit are replaced by what the fit says of them: {} s",
+            clipped.join(", ")
+        ));
     }
     if estimate.contact_times_are_heard {
         notes.push(CONTACT_TIMES_ARE_HEARD.to_owned());

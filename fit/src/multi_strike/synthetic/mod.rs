@@ -30,6 +30,14 @@ pub struct StruckOften {
     pub room: Option<TrueRoom>,
 }
 
+impl StruckOften {
+    /// Samples clipped at both limits: at a share of the peak, at most 1.
+    pub fn clipped(&self, share: f64) -> Vec<f64> {
+        let limit = share * self.samples.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        self.samples.iter().map(|x| x.clamp(-limit, limit)).collect()
+    }
+}
+
 /// Room of a synthetic recording.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueRoom {
