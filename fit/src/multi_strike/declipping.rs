@@ -26,7 +26,7 @@ const DESCENTS: usize = 8;
 /// Change of the clipped samples' energy, as a share of that of what the fit leaves, from which no
 /// fit is made anew: -30 dB.
 const SETTLED: f64 = 1e-3;
-/// The same for descents: -50 dB.
+/// Change from which no descent follows, as a share likewise: -50 dB.
 const DESCENDED: f64 = 1e-5;
 /// Share of what the last fit leaves from which an earlier fit is taken that leaves less: -0.1 dB.
 const CLEARLY_LESS: f64 = 0.98;
