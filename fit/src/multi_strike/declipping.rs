@@ -78,7 +78,7 @@ impl Clipped {
         })
     }
 
-    /// The recording with its clipped samples at their limits.
+    /// Sets clipped samples back to their limits.
     pub(super) fn put_back(&self, samples: &mut [f64]) {
         self.0.iter().for_each(|clipped| samples[clipped.at] = clipped.limit);
     }
@@ -111,8 +111,8 @@ impl Clipped {
         Ok(best.filter(|best| left(best) < CLEARLY_LESS * left(&found)).unwrap_or(found))
     }
 
-    /// Clipped samples as a fit and its descents in turn with them say. Returns the energy of their
-    /// change.
+    /// Sets clipped samples to what a fit says, then in turn with descents from it. Returns the
+    /// energy of their change.
     fn settle(&self, samples: &mut [f64], found: &JointFit) -> f64 {
         let values = |samples: &[f64]| self.0.iter().map(|clipped| samples[clipped.at]).collect::<Vec<f64>>();
         let before = values(samples);
