@@ -1,10 +1,11 @@
 //! Clipped samples, replaced in turn with the fit by what it says of them.
 //!
-//! A clipped sample tells that the sound lies at the limit or beyond it. So what the model leaves
-//! there counts only as far as the model falls short of the limit. Two steps in turn lower that sum
-//! of squares: each clipped sample becomes what the fit says, or the limit where it says less, and
-//! the strikes are fitted to the samples. The first values come from modes that ring on behind the
-//! clipped samples.
+//! The sound lies at the limit or beyond it where a sample is clipped. A model that lies beyond the
+//! limit there has no error. The fit begins with values that follow from the modes that ring behind
+//! the clipped samples. Then two steps are repeated, and each lowers the sum of squared errors:
+//!
+//! - Strikes and modes are fitted to the samples.
+//! - Each clipped sample becomes the model's value, or the limit if the model lies below it.
 
 use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
@@ -71,10 +72,11 @@ impl Clipped {
         layout: Layout,
         told: &dyn Fn(f64),
     ) -> Result<JointFit, StrikesError> {
+        let fit = |samples: &[f64], told: &dyn Fn(f64)| fit(samples, rate_hz, settings, layout, told);
         self.ring_on(samples, rate_hz, settings);
-        self.fitted_in_turn(samples, rate_hz, settings, layout, told).or_else(|_| {
+        self.fitted_in_turn(samples, &fit, told).or_else(|_| {
             self.put_back(samples);
-            self.fitted_in_turn(samples, rate_hz, settings, layout, told)
+            self.fitted_in_turn(samples, &fit, told)
         })
     }
 
@@ -87,21 +89,19 @@ impl Clipped {
     fn fitted_in_turn(
         &self,
         samples: &mut [f64],
-        rate_hz: f64,
-        settings: Settings,
-        layout: Layout,
+        fit: &dyn Fn(&[f64], &dyn Fn(f64)) -> Result<JointFit, StrikesError>,
         told: &dyn Fn(f64),
     ) -> Result<JointFit, StrikesError> {
         // Few recordings need all rounds: each takes half of the progress that is left.
         let of_round = |round: i32, share: f64| told(1.0 - 0.5f64.powi(round) * (1.0 - 0.5 * share));
-        let mut found = fit(samples, rate_hz, settings, layout, &|share| of_round(0, share))?;
+        let mut found = fit(samples, &|share| of_round(0, share))?;
         let mut best: Option<JointFit> = None;
         let left = |joint: &JointFit| energy(&joint.fitted.residual);
         for round in 1..=ROUNDS {
             if self.settle(samples, &found) < SETTLED * left(&found) {
                 break;
             }
-            let next = fit(samples, rate_hz, settings, layout, &|share| of_round(round as i32, share))?;
+            let next = fit(samples, &|share| of_round(round as i32, share))?;
             let earlier = std::mem::replace(&mut found, next);
             if best.as_ref().is_none_or(|best| left(&earlier) < left(best)) {
                 best = Some(earlier);
@@ -161,7 +161,7 @@ impl Clipped {
         let Some(free) = free_modes_of(samples, &stretches, rate_hz, few, &[]) else { return };
         let amplitudes = amplitudes(samples, &stretches, &free.poles);
         self.replace(samples, MOST_RINGING, |at, x| {
-            let Some(strike) = onsets.iter().rposition(|onset| *onset <= at) else { return x };
+            let Some(strike) = onsets.partition_point(|onset| *onset <= at).checked_sub(1) else { return x };
             let back = stretches[strike].start as f64 - at as f64;
             let modes = free.poles.iter().zip(&amplitudes[strike]).filter(|(pole, _)| pole.decay * back < MOST_GROWTH);
             modes.map(|(pole, amplitude)| (amplitude * pole.power(-back)).re).sum()

@@ -3,8 +3,8 @@
 //! The response is noise that fades, and an estimate of it holds at the modes' frequencies alone.
 //! There the power of a window has an exponential distribution with the mean `a e^{-rt} + b_k`.
 //! An octave has one power a and one rate r; b_k is the power of the estimate's error at mode k.
-//! Each rate of a grid is tried: the expectation-maximisation algorithm finds the most likely a and
-//! b_k for it. The rates of all octaves are then chosen together, since neighbouring octaves fade
+//! The rates of a grid are tried one by one. For each the expectation-maximisation algorithm finds
+//! the most likely a and b_k. The rates of all octaves are then chosen together, since neighbouring octaves fade
 //! alike.
 
 use crate::modes::{Pole, project};

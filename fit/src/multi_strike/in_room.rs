@@ -2,10 +2,13 @@
 //!
 //! The first strikes are taken from rises of the level in the ear's bands. A room's sound only
 //! fades, so it adds no rises.
-//! Modes and contacts are first fitted as if the sound were dry. Then a step improves the modes and
-//! the room's response at once ([`super::reflections`]), the room's sound is subtracted from the
-//! recording, and the thing is fitted to the rest; this repeats. Strikes and modes that the first
-//! fit lacks are found in the sound without the room.
+//! The first fit of modes and contacts takes the sound for dry. Three steps then repeat:
+//!
+//! - Modes and the room's response are improved together ([`super::reflections`]).
+//! - The room's sound is subtracted from the recording.
+//! - The thing is fitted to the rest.
+//!
+//! Strikes and modes that the first fit lacks are found in the sound without the room.
 
 use super::begin::at_best_time;
 use super::derivatives::sound;
