@@ -74,9 +74,9 @@ impl Clipped {
     ) -> Result<JointFit, StrikesError> {
         let fit = |samples: &[f64], told: &dyn Fn(f64)| fit(samples, rate_hz, settings, layout, told);
         self.ring_on(samples, rate_hz, settings);
-        self.fitted_in_turn(samples, &fit, told).or_else(|_| {
+        self.fitted_in_turn(samples, fit, told).or_else(|_| {
             self.put_back(samples);
-            self.fitted_in_turn(samples, &fit, told)
+            self.fitted_in_turn(samples, fit, told)
         })
     }
 
@@ -89,7 +89,7 @@ impl Clipped {
     fn fitted_in_turn(
         &self,
         samples: &mut [f64],
-        fit: &dyn Fn(&[f64], &dyn Fn(f64)) -> Result<JointFit, StrikesError>,
+        fit: impl Fn(&[f64], &dyn Fn(f64)) -> Result<JointFit, StrikesError>,
         told: &dyn Fn(f64),
     ) -> Result<JointFit, StrikesError> {
         // Few recordings need all rounds: each takes half of the progress that is left.

@@ -4,8 +4,8 @@
 //! There the power of a window has an exponential distribution with the mean `a e^{-rt} + b_k`.
 //! An octave has one power a and one rate r; b_k is the power of the estimate's error at mode k.
 //! The rates of a grid are tried one by one. For each the expectation-maximisation algorithm finds
-//! the most likely a and b_k. The rates of all octaves are then chosen together, since neighbouring octaves fade
-//! alike.
+//! the most likely a and b_k. The rates of all octaves are then chosen together, since neighbouring
+//! octaves fade alike.
 
 use crate::modes::{Pole, project};
 use crate::room::{Room, RoomBand, T60_S, octave_of, of_bands};
