@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Complex, DMatrix, DMatrixViewMut};
 
 use crate::modes::Pole;
+use crate::vectors::vectorized;
 
 /// Prediction error filter `w[0] = 1, w[1] ..`.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +13,9 @@ pub(crate) struct Whitening(Vec<f64>);
 
 /// Order of the filter that makes what a model leaves white.
 pub(crate) const ORDER: usize = 12;
+/// Number of samples that are filtered by all weights before the next ones: so many stay near the
+/// processor.
+const BLOCK: usize = 1024;
 /// Least ratio of the innovation to what it is computed from, so that the filter stays tame.
 const LEAST_RATIO: f64 = 1e-6;
 
@@ -52,12 +56,22 @@ impl Whitening {
     /// Filtered samples of a range; there is silence before the first sample.
     pub(crate) fn filtered(&self, samples: &[f64], range: Range<usize>) -> Vec<f64> {
         let mut filtered = vec![0.0; range.len()];
+        let starts = range.step_by(BLOCK);
+        vectorized(
+            #[inline(always)]
+            || starts.zip(filtered.chunks_mut(BLOCK)).for_each(|(start, block)| self.filter(samples, start, block)),
+        );
+        filtered
+    }
+
+    /// Filters the samples from `start` on into a block of zeros.
+    #[inline(always)]
+    fn filter(&self, samples: &[f64], start: usize, filtered: &mut [f64]) {
         for (back, w) in self.0.iter().enumerate() {
-            let silent = back.saturating_sub(range.start).min(range.len());
-            let delayed = &samples[(range.start + silent).saturating_sub(back)..];
+            let silent = back.saturating_sub(start).min(filtered.len());
+            let delayed = &samples[(start + silent).saturating_sub(back)..];
             filtered[silent..].iter_mut().zip(delayed).for_each(|(sum, x)| *sum += w * x);
         }
-        filtered
     }
 
     /// Filtered rows without the first `history` ones; there is silence before the first row.
