@@ -38,7 +38,7 @@ impl Pole {
 }
 
 /// Number of powers in a block: a whole block is made by one product, as
-/// `z^(start + i) = z^start z^i`, and its start by another, from the start of the block before.
+/// `z^(start + i) = z^start z^i`.
 const BLOCK: usize = 64;
 
 /// Powers `z^0 .. z^63`, with real and imaginary parts in separate arrays.
@@ -109,12 +109,12 @@ pub(crate) fn project(pole: Pole, samples: &[f64]) -> [Complex<f64>; 2] {
         || {
             let block = PowerBlock::new(pole);
             let mut sums = [Complex::new(0.0, 0.0); 2];
-            let (mut power, turn) = (Complex::new(1.0, 0.0), pole.power(BLOCK as f64));
             for (index, samples) in samples.chunks(BLOCK).enumerate() {
+                let start = (index * BLOCK) as f64;
+                let power = pole.power(start);
                 let [plain, ramp] = block.weigh(samples);
                 sums[0] += power * plain;
-                sums[1] += power * (ramp + plain * (index * BLOCK) as f64);
-                power *= turn;
+                sums[1] += power * (ramp + plain * start);
             }
             sums
         },
@@ -129,10 +129,8 @@ pub(crate) fn add_ringing(pole: Pole, gain: Complex<f64>, samples: &mut [f64]) {
         #[inline(always)]
         || {
             let block = PowerBlock::new(pole);
-            let (mut factor, turn) = (gain, pole.power(BLOCK as f64));
-            for samples in samples.chunks_mut(BLOCK) {
-                block.add(factor, samples);
-                factor *= turn;
+            for (index, samples) in samples.chunks_mut(BLOCK).enumerate() {
+                block.add(gain * pole.power((index * BLOCK) as f64), samples);
             }
         },
     );
