@@ -3,11 +3,12 @@
 
 use super::begin::begun;
 use super::changes::changes;
-use super::descend::Fitted;
+use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
 use super::layout::Layout;
 use super::passes::completed_fit;
+use super::spline::halved;
 use super::start::StartSearch;
 use super::whitening::Whitening;
 use crate::modes::Settings;
@@ -33,8 +34,42 @@ pub(super) fn dry(
     StrikesError::refuse_few_for(layout, all.len())?;
     let first = begun(samples, &free, &all, rate_hz, layout, search, &|share| told(0.3 + 0.3 * share))?;
     StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
-    completed_fit(first, samples, rate_hz, settings, layout, &|share| told(0.6 + 0.4 * share))
+    let completed = |fitted: Fitted, from: f64, to: f64| {
+        completed_fit(fitted, samples, rate_hz, settings, layout, &|share| told(from + (to - from) * share))
+    };
+    let (mut fitted, mut whitening) = completed(first, 0.6, 0.8)?;
+    while let Some(finer) = with_finer_gains(&fitted, samples, &whitening) {
+        (fitted, whitening) = completed(finer, 0.8, 1.0)?;
+    }
+    Ok((fitted, whitening))
 }
+
+/// The fit with two intervals in place of each one of its gains along the object, if they explain
+/// clearly more than chance does, and if there are more strikes than coefficients.
+///
+/// All other numbers bend to make up for what a spline with too few intervals leaves. Each number
+/// more explains one sample's noise by chance.
+fn with_finer_gains(fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> Option<Fitted> {
+    if !(CUBIC..=MOST_HALVED).contains(&fitted.model.places()) {
+        return None;
+    }
+    let mut model = fitted.model.clone();
+    model.gains.iter_mut().filter(|gains| gains.len() > 1).for_each(|gains| *gains = halved(gains));
+    if model.strikes.len() <= model.places() {
+        return None;
+    }
+    let added = model.shared_size() - fitted.model.shared_size();
+    let finer = descend(Fitted::new(model, samples, whitening), samples, whitening, Ending::COMPLETION);
+    let least = MORE_THAN_CHANCE * added as f64 * fitted.noise_rms().powi(2);
+    (fitted.energy - finer.energy > least).then_some(finer)
+}
+
+/// Least ratio of what finer gains explain to what they explain by chance.
+const MORE_THAN_CHANCE: f64 = 2.0;
+/// Least number of coefficients of a cubic spline.
+const CUBIC: usize = 4;
+/// Maximum number of coefficients whose intervals are halved.
+const MOST_HALVED: usize = 10;
 
 /// Modes between strikes, and moments near which strikes begin, in turn.
 fn between_strikes(
@@ -67,4 +102,33 @@ fn between_strikes(
     }
     StrikesError::refuse_few(onsets.len(), rising)?;
     Ok((free, onsets))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multi_strike::spline::{Weights, nearest};
+    use crate::multi_strike::synthetic::at_places;
+    use crate::multi_strike::truth::model_of;
+
+    #[test]
+    fn gains_are_refined_where_few_coefficients_leave_more_than_noise_and_only_there() {
+        let sound = at_places(306, 12.0, 40);
+        let with_coefficients = |count: usize| {
+            let mut model = model_of(&sound);
+            for gains in model.gains.iter_mut().filter(|gains| gains.len() > 1) {
+                let met = (0..=60).map(|step| Weights::at(f64::from(step) / 60.0, gains.len()).sum(gains));
+                *gains = nearest(&met.collect::<Vec<_>>(), count).expect("enough values");
+            }
+            let truth = Fitted::new(model_of(&sound), &sound.samples, &Whitening::none());
+            let whitening = Whitening::of_residual(&truth.residual, 12);
+            let from = Fitted::new(model, &sound.samples, &whitening);
+            let fitted = descend(from, &sound.samples, &whitening, Ending::COMPLETION);
+            let finer = with_finer_gains(&fitted, &sound.samples, &whitening);
+            finer.map(|finer| (finer.model.places(), fitted.energy / finer.energy))
+        };
+        let finer = with_coefficients(4);
+        assert!(finer.is_some_and(|(places, ratio)| places == 5 && ratio > 1.02), "{finer:?}");
+        assert_eq!(with_coefficients(10), None);
+    }
 }

@@ -7,7 +7,7 @@
 use std::iter::Sum;
 use std::ops::Mul;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 
 /// Highest degree.
 const DEGREE: usize = 3;
@@ -60,6 +60,31 @@ impl Weights {
     }
 }
 
+/// Coefficients of the spline nearest to values at evenly spaced positions from 0 to 1.
+///
+/// `None` if there are fewer values than coefficients need.
+pub(crate) fn nearest(values: &[Complex<f64>], coefficients: usize) -> Option<Vec<Complex<f64>>> {
+    let mut rows = DMatrix::zeros(values.len(), coefficients);
+    for row in 0..values.len() {
+        let weights = Weights::at(row as f64 / (values.len() - 1) as f64, coefficients);
+        weights.values().iter().enumerate().for_each(|(index, weight)| rows[(row, weights.first + index)] = *weight);
+    }
+    let parts = DMatrix::from_fn(values.len(), 2, |row, part| [values[row].re, values[row].im][part]);
+    let factor = rows.tr_mul(&rows).cholesky()?;
+    let nearest = factor.solve(&rows.tr_mul(&parts));
+    Some(nearest.row_iter().map(|parts| Complex::new(parts[0], parts[1])).collect())
+}
+
+/// Coefficients of the same cubic spline with two intervals in place of each one.
+pub(crate) fn halved(coefficients: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let count = 2 * coefficients.len() - DEGREE;
+    let of_index = |index: usize| {
+        let near = &coefficients[index / 2..];
+        if index.is_multiple_of(2) { (near[0] + near[1]) / 2.0 } else { (near[0] + near[1] * 6.0 + near[2]) / 8.0 }
+    };
+    (0..count).map(of_index).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,6 +103,22 @@ mod tests {
             assert!((weights.values().iter().sum::<f64>() - 1.0).abs() < 1e-12);
             let slope = (at(position + 1e-6) - at(position - 1e-6)) / 2e-6;
             assert!((weights.slope(&gains) - slope).norm() < 1e-6, "{coefficients} {position}");
+        }
+    }
+
+    #[test]
+    fn a_spline_stays_as_it_is_when_its_intervals_are_halved() {
+        let mut random = SplitMix64(8);
+        for count in 4..=9 {
+            let coefficients: Vec<Complex<f64>> =
+                (0..count).map(|_| Complex::new(random.normal(), random.normal())).collect();
+            let halved = halved(&coefficients);
+            assert_eq!(halved.len(), 2 * count - 3);
+            for index in 0..=100 {
+                let position = f64::from(index) / 100.0;
+                let [before, after] = [&coefficients, &halved].map(|all| Weights::at(position, all.len()).sum(all));
+                assert!((before - after).norm() < 1e-13, "{count} {position}: {before} {after}");
+            }
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The truth of a synthetic recording as a model, with the Cramer-Rao bounds of its numbers.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::Complex;
 
 use super::contact::Contact;
 use super::descend::{Fitted, deviations};
 use super::estimate::{Estimate, of_fit};
 use super::model::{Model, Strike};
-use super::spline::Weights;
+use super::spline::nearest;
 use super::synthetic::{StruckOften, TrueMode, TrueStrike};
 use super::whitening::Whitening;
 use crate::modes::Pole;
@@ -20,7 +20,9 @@ const MET_AT: usize = 60;
 pub(crate) fn model_of(sound: &StruckOften) -> Model {
     let gains = |mode: &TrueMode| {
         let gain = Complex::new(mode.gain[1], -mode.gain[0]) / sound.rate_hz;
-        shape_of(mode).into_iter().map(|shape| gain * shape).collect()
+        let at = |index: usize| gain * mode.shape_at(index as f64 / (MET_AT - 1) as f64);
+        let curved = || nearest(&(0..MET_AT).map(at).collect::<Vec<_>>(), COEFFICIENTS);
+        (mode.shape[0] != 0.0).then(curved).flatten().unwrap_or_else(|| vec![at(0)])
     };
     let pole = |mode: &TrueMode| Pole::new(mode.frequency_hz, mode.decay_per_s, sound.rate_hz);
     let strike = |strike: &TrueStrike| Strike {
@@ -40,23 +42,6 @@ pub(crate) fn model_of(sound: &StruckOften) -> Model {
         contact_times_are_held: false,
         strikes: sound.strikes.iter().map(strike).collect(),
     }
-}
-
-/// Coefficients of a mode's shape: 1 for all positions alike, or the spline nearest to it.
-fn shape_of(mode: &TrueMode) -> Vec<f64> {
-    if mode.shape[0] == 0.0 {
-        return vec![mode.shape_at(0.0)];
-    }
-    let position = |index: usize| index as f64 / (MET_AT - 1) as f64;
-    let mut rows = DMatrix::zeros(MET_AT, COEFFICIENTS);
-    for row in 0..MET_AT {
-        let weights = Weights::at(position(row), COEFFICIENTS);
-        weights.values().iter().enumerate().for_each(|(index, weight)| rows[(row, weights.first + index)] = *weight);
-    }
-    let values = DVector::from_fn(MET_AT, |row, _| mode.shape_at(position(row)));
-    let normal = rows.tr_mul(&rows);
-    let nearest = normal.cholesky().map(|factor| factor.solve(&rows.tr_mul(&values)));
-    nearest.map_or_else(Vec::new, |nearest| nearest.iter().copied().collect())
 }
 
 /// The truth with the Cramer-Rao bounds of all numbers together, as standard deviations.
