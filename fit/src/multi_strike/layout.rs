@@ -7,7 +7,8 @@ pub struct Layout {
     ///
     /// The gains are the coefficients of a cubic spline, so that at least 4 are needed for gains
     /// that curve; each half wave along the object needs about three. 4 to 10 become 2P - 3, again
-    /// and again, while that explains clearly more than chance does.
+    /// and again, while that explains clearly more than chance does and three strikes or more tell
+    /// each coefficient.
     pub positions: usize,
     /// Number of strikers, 1 to 4.
     pub strikers: usize,
