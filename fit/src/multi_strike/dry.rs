@@ -115,6 +115,7 @@ mod tests {
     use crate::multi_strike::spline::{Weights, nearest};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
+    use crate::multi_strike::whitening::ORDER;
 
     #[test]
     fn gains_are_refined_where_few_coefficients_leave_more_than_noise_and_only_there() {
@@ -126,7 +127,7 @@ mod tests {
                 *gains = nearest(&met.collect::<Vec<_>>(), count).expect("enough values");
             }
             let truth = Fitted::new(model_of(&sound), &sound.samples, &Whitening::none());
-            let whitening = Whitening::of_residual(&truth.residual, 12);
+            let whitening = Whitening::of_residual(&truth.residual, ORDER);
             let from = Fitted::new(model, &sound.samples, &whitening);
             let fitted = descend(from, &sound.samples, &whitening, Ending::COMPLETION);
             let finer = with_finer_gains(&fitted, &sound.samples, &whitening);

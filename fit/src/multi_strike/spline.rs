@@ -75,7 +75,7 @@ pub(crate) fn nearest(values: &[Complex<f64>], coefficients: usize) -> Option<Ve
     Some(nearest.row_iter().map(|parts| Complex::new(parts[0], parts[1])).collect())
 }
 
-/// Coefficients of the same cubic spline with two intervals in place of each one.
+/// Coefficients, at least four, of the same cubic spline with two intervals in place of each one.
 pub(crate) fn halved(coefficients: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let count = 2 * coefficients.len() - DEGREE;
     let of_index = |index: usize| {
