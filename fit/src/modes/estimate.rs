@@ -36,15 +36,15 @@ pub fn estimate(samples: &[f64], rate_hz: f64, settings: Settings) -> Vec<Damped
         .poles
         .iter()
         .zip(gains)
-        .zip(&model.worth)
-        .map(|((pole, gain), worth)| {
+        .enumerate()
+        .map(|(mode, (pole, gain))| {
             let sine = DampedSine {
                 frequency_hz: pole.frequency_hz(rate_hz),
                 decay_per_s: pole.decay_per_s(rate_hz),
                 amplitude: gain.norm(),
                 phase: gain.arg(),
             };
-            (*worth, sine)
+            (model.worth(mode), sine)
         })
         .collect();
     modes.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -139,7 +139,7 @@ fn model(samples: &[f64], rate_hz: f64, settings: Settings) -> Option<Model> {
     let range = range(length, rate_hz, settings);
     // A mode has four numbers, each of which has to explain ln N times the noise.
     let threshold = 4.0 * (length as f64).ln();
-    let mut model = Model { poles: Vec::new(), gains: Vec::new(), worth: Vec::new() };
+    let mut model = Model { poles: Vec::new(), gains: Vec::new(), worth_by_group: Vec::new() };
     let mut residual = samples.to_vec();
     let mut noise = NoiseFloor::of_residual(&residual);
     for _ in 0..PASSES {
@@ -186,7 +186,7 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
     let mut model = model;
     loop {
         let unworthy: Vec<usize> = (0..model.poles.len())
-            .filter(|&k| model.worth[k] < threshold * noise.variance(model.poles[k].angular))
+            .filter(|&k| model.worth(k) < threshold * noise.variance(model.poles[k].angular))
             .collect();
         if unworthy.is_empty() {
             return Some(model);
@@ -199,7 +199,7 @@ fn prune(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, threshold: f64,
         };
         let mut dropped: Vec<usize> = Vec::new();
         let mut in_order = unworthy;
-        in_order.sort_by(|&a, &b| model.worth[a].total_cmp(&model.worth[b]));
+        in_order.sort_by(|&a, &b| model.worth(a).total_cmp(&model.worth(b)));
         for candidate in in_order {
             if dropped.iter().all(|&other| apart(candidate, other)) {
                 dropped.push(candidate);

@@ -46,8 +46,9 @@ pub(crate) struct Gains {
 pub(crate) struct Model {
     pub(crate) poles: Vec<Pole>,
     pub(crate) gains: Vec<Gains>,
-    /// Growth of the residual energy without each pole, with the gains of the others refitted.
-    pub(crate) worth: Vec<f64>,
+    /// Growth of each group's residual energy without each pole, with the gains of the others
+    /// refitted: pole by pole.
+    pub(crate) worth_by_group: Vec<Vec<f64>>,
 }
 
 impl Model {
@@ -62,6 +63,11 @@ impl Model {
             *left -= gains.force * force;
         }
         left
+    }
+
+    /// Growth of the residual energy of all groups without a pole.
+    pub(crate) fn worth(&self, pole: usize) -> f64 {
+        self.worth_by_group[pole].iter().sum()
     }
 
     /// Poles without those whose index is listed; gains and worth have to be found anew.
@@ -290,13 +296,13 @@ pub(crate) fn refine_shared(
             break;
         }
     }
-    let mut worth = vec![0.0; poles.len()];
-    for (solved, members) in solved.iter().zip(members) {
+    let mut worth_by_group = vec![vec![0.0; groups.len()]; poles.len()];
+    for (group, (solved, members)) in solved.iter().zip(members).enumerate() {
         let inverse = solved.factor.inverse();
         for (k, (&member, gain)) in members.iter().zip(&solved.gains.modes).enumerate() {
             let block = inverse.fixed_view::<2, 2>(2 * k, 2 * k).into_owned();
             let gain = nalgebra::Vector2::new(gain.re, gain.im);
-            worth[member] += block.try_inverse().map_or(0.0, |block| gain.dot(&(block * gain)));
+            worth_by_group[member][group] = block.try_inverse().map_or(0.0, |block| gain.dot(&(block * gain)));
         }
     }
     let gains = solved.into_iter().zip(members).map(|(solved, members)| {
@@ -305,7 +311,7 @@ pub(crate) fn refine_shared(
         Gains { modes, force: solved.gains.force }
     });
     let gains = gains.collect();
-    Some(Model { poles, gains, worth })
+    Some(Model { poles, gains, worth_by_group })
 }
 
 /// Normal equations of all groups in `d` and `ω` of each pole.

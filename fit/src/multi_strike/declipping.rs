@@ -158,7 +158,9 @@ impl Clipped {
             }
         }
         let few = Settings { most_modes: settings.most_modes.min(MORE_MODES), ..settings };
-        let Some(free) = free_modes_of(samples, &stretches, rate_hz, few, &[]) else { return };
+        let Some(free) = free_modes_of(samples, (&stretches, Guard::OF_RISE.left_out), rate_hz, few, &[]) else {
+            return;
+        };
         let amplitudes = amplitudes(samples, &stretches, &free.poles);
         self.replace(samples, MOST_RINGING, |at, x| {
             let Some(strike) = onsets.partition_point(|onset| *onset <= at).checked_sub(1) else { return x };

@@ -61,7 +61,7 @@ pub(crate) fn fit(
     let rising = onsets.len();
     let modes = |most: usize| {
         let few = Settings { most_modes: settings.most_modes.min(most), ..settings };
-        free_modes(samples, &onsets, Guard::OF_RISE, rate_hz, few, &[])
+        free_modes(samples, &onsets, Guard::OF_RISE.of_layout(layout), rate_hz, few, &[])
     };
     let mut free = modes(FIRST_MODES).ok_or(StrikesError::TooFew { found: onsets.len() })?;
     let is_coloured = |free: &FreeModes| free.variance > COLOURED * free.white_variance;

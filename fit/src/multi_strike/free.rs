@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::layout::Layout;
 use super::whitening::Whitening;
 use crate::modes::{Candidate, Ending, Group, Model, NoiseFloor, Pole, SearchRange, Settings, refine, standing_out};
 use crate::parabola;
@@ -19,13 +20,43 @@ pub(crate) struct Guard {
     pub(crate) before_s: f64,
     /// Time behind the moment, contact time included.
     pub(crate) behind_s: f64,
+    pub(crate) left_out: LeftOut,
+}
+
+/// Numbers of stretches, those that tell most of a mode, that do not count for it.
+///
+/// A strike that was missed spoils one stretch, and modes could be found in it alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LeftOut {
+    searching: usize,
+    dropping: usize,
+}
+
+impl LeftOut {
+    /// Stretches with strikes at one place. Where modes are dropped all count: a room leaves more
+    /// than noise in all.
+    const AT_ONE_PLACE: Self = Self { searching: 2, dropping: 0 };
+    /// Stretches with strikes at several places or by several strikers, of which more are missed at
+    /// first. With the numbers for one place, 12 of 64 modes were true ones in
+    /// `cargo bench -p fit --bench strikes -- 1 312 places`, and 21 of 90 strikes were lost.
+    const AT_PLACES: Self = Self { searching: 3, dropping: 3 };
+}
+
+/// Number of stretches of a count that are left out, `most` or none: others must tell the mode.
+fn left_out(most: usize, count: usize) -> usize {
+    if count > 3 * most { most } else { 0 }
 }
 
 impl Guard {
     /// Guard about a rise in the ear's bands.
-    pub(crate) const OF_RISE: Self = Self { before_s: 0.010, behind_s: 0.014 };
+    pub(crate) const OF_RISE: Self = Self { before_s: 0.010, behind_s: 0.014, left_out: LeftOut::AT_ONE_PLACE };
     /// Guard about a change of amplitudes.
-    pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006 };
+    pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006, left_out: LeftOut::AT_ONE_PLACE };
+
+    /// Guard of a recording of such a layout.
+    pub(super) fn of_layout(self, layout: Layout) -> Self {
+        if layout == Layout::default() { self } else { Self { left_out: LeftOut::AT_PLACES, ..self } }
+    }
 }
 
 /// Poles, and what they leave between strikes: its variance, and the filter that makes it white.
@@ -38,10 +69,8 @@ pub(crate) struct FreeModes {
     pub(crate) white_variance: f64,
 }
 
-/// Number of stretches, those of most significance, that do not count for a mode.
-///
-/// A strike that was missed spoils one stretch, and modes could be found in it alone.
-const LEFT_OUT: usize = 2;
+/// Maximum number of stretches that are left out.
+const MOST_LEFT_OUT: usize = 3;
 /// Least length of a stretch in seconds.
 const SHORTEST_S: f64 = 0.015;
 /// Maximum length of a stretch in seconds in which modes are searched for.
@@ -100,13 +129,13 @@ pub(crate) fn free_modes(
     known: &[Pole],
 ) -> Option<FreeModes> {
     let stretches = stretches(onsets, guard, samples.len(), rate_hz);
-    free_modes_of(samples, &stretches, rate_hz, settings, known)
+    free_modes_of(samples, (&stretches, guard.left_out), rate_hz, settings, known)
 }
 
 /// Modes that ring in stretches, searched for from known ones on; `None` if all are empty.
 pub(super) fn free_modes_of(
     samples: &[f64],
-    stretches: &[Range<usize>],
+    (stretches, left_out): (&[Range<usize>], LeftOut),
     rate_hz: f64,
     settings: Settings,
     known: &[Pole],
@@ -119,19 +148,19 @@ pub(super) fn free_modes_of(
     let mut model = refine(&groups, known, Ending::COARSE)?;
     if !known.is_empty() {
         let noise = NoiseFloor::of_residual(&residuals(&groups, &model).concat());
-        model = pruned(&groups, model, &noise, range, threshold)?;
+        model = pruned(&groups, model, &noise, range, (threshold, left_out.dropping))?;
     }
     for _ in 0..PASSES {
         let residuals = residuals(&groups, &model);
         let noise = NoiseFloor::of_residual(&residuals.concat());
         let free = settings.most_modes.saturating_sub(model.poles.len());
-        let candidates = search(&residuals, &noise, range, threshold, free);
+        let candidates = search(&residuals, &noise, range, (threshold, left_out.searching), free);
         if candidates.is_empty() {
             break;
         }
         let with = |candidates: &[Pole]| {
             let poles = [&model.poles, candidates].concat();
-            pruned(&groups, refine(&groups, &poles, Ending::COARSE)?, &noise, range, threshold)
+            pruned(&groups, refine(&groups, &poles, Ending::COARSE)?, &noise, range, (threshold, left_out.dropping))
         };
         let mut count = candidates.len();
         let mut more = with(&candidates);
@@ -204,7 +233,8 @@ pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settin
     let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
     let noise = NoiseFloor::of_residual(&residuals.concat());
     let range = search_range(length, rate_hz, settings);
-    search(&residuals, &noise, range, threshold(residuals.len(), residual.len()), settings.most_modes)
+    let threshold = threshold(residuals.len(), residual.len());
+    search(&residuals, &noise, range, (threshold, LeftOut::AT_ONE_PLACE.searching), settings.most_modes)
 }
 
 /// Maximum number of stretches in which left over modes are searched for.
@@ -220,13 +250,19 @@ pub(crate) fn search_range(length: usize, rate_hz: f64, settings: Settings) -> S
 }
 
 /// Most significant poles that the residuals of all stretches have in common.
-fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, threshold: f64, most: usize) -> Vec<Pole> {
+fn search(
+    residuals: &[Vec<f64>],
+    noise: &NoiseFloor,
+    range: SearchRange,
+    (threshold, left_out): (f64, usize),
+    most: usize,
+) -> Vec<Pole> {
     let decays: Vec<f64> = range.decays().collect();
     let expected = 2.0 * residuals.len() as f64;
     let found: Vec<Candidate> = decays
         .par_iter()
         .flat_map_iter(|&decay| {
-            peaks(residuals, decay).into_iter().map(move |(angular, energy)| Candidate {
+            peaks(residuals, decay, left_out).into_iter().map(move |(angular, energy)| Candidate {
                 pole: Pole { decay, angular },
                 significance: energy / noise.variance(angular) - expected,
             })
@@ -238,15 +274,15 @@ fn search(residuals: &[Vec<f64>], noise: &NoiseFloor, range: SearchRange, thresh
 }
 
 /// Frequencies at which one more mode of a decay explains most energy of all stretches.
-fn peaks(residuals: &[Vec<f64>], decay: f64) -> Vec<(f64, f64)> {
+fn peaks(residuals: &[Vec<f64>], decay: f64, most_left_out: usize) -> Vec<(f64, f64)> {
     let lasting = (6.0 / decay).ceil() as usize + 2;
     let longest = residuals.iter().map(|residual| residual.len().min(lasting)).max().unwrap_or(1);
     let size = (2 * longest).next_power_of_two().max(64);
     let transform = fourier::forward(size);
     let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
-    let left_out = if residuals.len() > 3 * LEFT_OUT { LEFT_OUT } else { 0 };
+    let left_out = left_out(most_left_out, residuals.len());
     let mut power = vec![0.0; output.len()];
-    let mut largest = vec![[0.0; LEFT_OUT]; output.len()];
+    let mut largest = vec![[0.0; MOST_LEFT_OUT]; output.len()];
     for residual in residuals {
         let length = residual.len().min(lasting);
         let (mut weight, ratio, mut energy) = (1.0, (-decay).exp(), 0.0);
@@ -273,8 +309,21 @@ fn peaks(residuals: &[Vec<f64>], decay: f64) -> Vec<(f64, f64)> {
     parabola::peaks(&power).map(|(place, power)| (PI * place / (size / 2) as f64, power)).collect()
 }
 
+/// Worth of a mode but for the stretches that tell most of it.
+fn worth(by_stretch: &[f64], most_left_out: usize) -> f64 {
+    let mut sorted = by_stretch.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.iter().take(by_stretch.len() - left_out(most_left_out, by_stretch.len())).sum()
+}
+
 /// The model without poles that have left the search's range or explain too little.
-fn pruned(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, range: SearchRange, threshold: f64) -> Option<Model> {
+fn pruned(
+    groups: &[Group<'_>],
+    model: Model,
+    noise: &NoiseFloor,
+    range: SearchRange,
+    (threshold, left_out): (f64, usize),
+) -> Option<Model> {
     let mut model = model;
     let least = threshold + 2.0 * groups.len() as f64;
     loop {
@@ -282,9 +331,12 @@ fn pruned(groups: &[Group<'_>], model: Model, noise: &NoiseFloor, range: SearchR
         let unworthy = |mode: &usize| {
             let pole = model.poles[*mode];
             let strayed = pole.angular < 0.9 * lowest || pole.angular > highest || pole.decay > 1.5 * range.fastest;
-            strayed || model.worth[*mode] < least * noise.variance(pole.angular)
+            strayed || worth(&model.worth_by_group[*mode], left_out) < least * noise.variance(pole.angular)
         };
-        let worst = (0..model.poles.len()).filter(unworthy).min_by(|a, b| model.worth[*a].total_cmp(&model.worth[*b]));
+        let order = |a: &usize, b: &usize| {
+            worth(&model.worth_by_group[*a], left_out).total_cmp(&worth(&model.worth_by_group[*b], left_out))
+        };
+        let worst = (0..model.poles.len()).filter(unworthy).min_by(order);
         let Some(worst) = worst else { return Some(model) };
         model = refine(groups, &model.without(&[worst]), Ending::COARSE)?;
     }

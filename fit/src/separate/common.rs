@@ -226,7 +226,7 @@ impl Search<'_> {
             self.stretches.iter().zip(noise).filter(|(stretch, _)| self.parts.partner(part, stretch.clip).is_some());
         let levels: Vec<f64> = own.map(|(_, noise)| noise.variance(pole.angular)).collect();
         let mean = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
-        let alone = model.worth[index] / mean;
+        let alone = model.worth(index) / mean;
         self.parts.shared(part, explained).min(alone) / self.thresholds[part]
     }
 

@@ -286,7 +286,7 @@ impl Heard<'_> {
         let Some(mut model) = refine(&group, &before, ending) else { return (modes.to_vec(), part.to_vec()) };
         let sines = self.sines(&model);
         let mut order: Vec<usize> = (0..sines.len()).filter(|&k| is_mode(&sines[k], self.rate_hz, settings)).collect();
-        order.sort_by(|&a, &b| model.worth[b].total_cmp(&model.worth[a]));
+        order.sort_by(|&a, &b| model.worth(b).total_cmp(&model.worth(a)));
         let mut kept: Vec<(usize, Pole)> = Vec::new();
         for index in order {
             match kept.iter_mut().find(|(other, _)| are_one(&sines[*other], &sines[index])) {

@@ -92,7 +92,7 @@ fn with_loudest(poles: Vec<Pole>, gains: Gains, groups: &[Group<'_>], loudest: u
         let solved = refine(std::slice::from_ref(group), &poles, Ending { steps: 0, ..Ending::COARSE });
         solved.and_then(|model| model.gains.into_iter().next()).unwrap_or_else(none)
     });
-    Model { gains: every.collect(), worth: vec![0.0; poles.len()], poles }
+    Model { gains: every.collect(), worth_by_group: vec![Vec::new(); poles.len()], poles }
 }
 
 fn heard<'a>(samples: &'a [f64], hit: &Hit, rate_hz: f64) -> &'a [f64] {
@@ -125,8 +125,8 @@ fn of_bins(
         sign * Complex::from_polar(sine.amplitude, sine.phase) / contact
     });
     let gains = Gains { modes: gains.collect(), force: 0.0 };
-    let worth = vec![0.0; poles.len()];
-    let model = Model { poles, gains: vec![gains], worth };
+    let worth_by_group = vec![Vec::new(); poles.len()];
+    let model = Model { poles, gains: vec![gains], worth_by_group };
     let groups = [Group { stretches: vec![Stretch { samples: sound, force: Some(force) }] }];
     Some(described(samples, &model, &groups, &[*hit], &[contact_time_s], 0, rate_hz))
 }
