@@ -18,6 +18,8 @@ pub(crate) struct Arrow {
     corner: DMatrix<f64>,
     right: DVector<f64>,
     right_shared: DVector<f64>,
+    /// Directions in which the shared parameters may change, a column each; `None` for all.
+    directions: Option<DMatrix<f64>>,
 }
 
 /// Cholesky's factor of an [`Arrow`].
@@ -40,6 +42,24 @@ impl Arrow {
             corner: DMatrix::zeros(shared, shared),
             right: DVector::zeros(count),
             right_shared: DVector::zeros(shared),
+            directions: None,
+        }
+    }
+
+    /// The equations with the shared parameters changing along the columns of a matrix only.
+    pub(crate) fn along(mut self, directions: DMatrix<f64>) -> Self {
+        self.border = directions.tr_mul(&self.border);
+        self.corner = directions.tr_mul(&(&self.corner * &directions));
+        self.right_shared = directions.tr_mul(&self.right_shared);
+        self.directions = Some(directions);
+        self
+    }
+
+    /// Covariance of all shared parameters, from that of the directions in which they change.
+    pub(crate) fn of_all_shared(&self, covariance: DMatrix<f64>) -> DMatrix<f64> {
+        match &self.directions {
+            Some(directions) => directions * covariance * directions.transpose(),
+            None => covariance,
         }
     }
 
@@ -88,9 +108,14 @@ impl Arrow {
         self.right_shared[index] = 0.0;
     }
 
-    /// Largest decrease that a step promises, `x · r`.
+    /// Largest decrease that a solution promises, `x · r`.
     pub(crate) fn promise(&self, step: &(DVector<f64>, DVector<f64>)) -> f64 {
         self.right.dot(&step.0) + self.right_shared.dot(&step.1)
+    }
+
+    /// Step of all shared parameters, from that along the directions in which they change.
+    pub(crate) fn step_of_all_shared(&self, step: &DVector<f64>) -> DVector<f64> {
+        self.directions.as_ref().map_or_else(|| step.clone(), |directions| directions * step)
     }
 
     /// Right sides of the band's and of the shared parameters.
@@ -154,17 +179,19 @@ impl Arrow {
     pub(crate) fn held_shared_covariance(&self, damping: f64) -> Option<DMatrix<f64>> {
         let mut corner = self.corner.clone();
         (0..corner.nrows()).for_each(|index| corner[(index, index)] *= 1.0 + damping);
-        Some(Cholesky::new(corner)?.inverse())
+        Some(self.of_all_shared(Cholesky::new(corner)?.inverse()))
     }
 
-    /// Covariance and right side of the shared parameters with those of the band held.
+    /// Covariance and right side of the shared parameters with those of the band held, if these
+    /// change in all directions.
     ///
     /// As [`Self::held_shared_covariance`].
     pub(crate) fn held_shared(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         Some((self.held_shared_covariance(damping)?, self.right_shared.clone()))
     }
 
-    /// Solution with a factor of these equations: parameters of the band, then the shared ones.
+    /// Solution with a factor of these equations: parameters of the band, then the shared ones, or
+    /// the directions in which they change.
     pub(crate) fn solve(&self, factor: &Factor) -> (DVector<f64>, DVector<f64>) {
         let mut along = self.right.clone();
         factor.forward(&mut along, 0);

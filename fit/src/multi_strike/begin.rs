@@ -123,7 +123,8 @@ fn nearest(
     let none = Whitening::none();
     let mut best: Option<Fitted> = None;
     for (index, start) in starts.into_iter().take(DESCENDED).enumerate() {
-        let done = descend(Fitted::new(start, samples, &none), samples, &none, Ending::COARSE);
+        let ending = if start.places() > 1 { Ending::COARSE_AT_PLACES } else { Ending::COARSE };
+        let done = descend(Fitted::new(start, samples, &none), samples, &none, ending);
         let is_good = explains(&done, variance, EXPLAINED, search);
         if best.as_ref().is_none_or(|best| done.energy < best.energy) {
             best = Some(done);

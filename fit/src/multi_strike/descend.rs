@@ -5,6 +5,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::arrow::Arrow;
 use super::equations::{energy, equations, residual};
 use super::model::{Model, Segment, segments};
+use super::real_shapes::{directions, stepped};
 use super::whitening::Whitening;
 use crate::modes::Pole;
 
@@ -20,6 +21,8 @@ pub(crate) struct Ending {
 impl Ending {
     /// Descent good enough to search the residual.
     pub(crate) const COARSE: Self = Self { steps: 14, gain: 3.0 };
+    /// Descent of a model with positions, which go far, good enough to search the residual.
+    pub(crate) const COARSE_AT_PLACES: Self = Self { steps: 28, ..Self::COARSE };
     /// Descent good enough to see which modes and strikes explain something.
     pub(crate) const COMPLETION: Self = Self { steps: 14, gain: 0.1 };
     /// Descent to a tenth of the statistical error of any parameter.
@@ -94,7 +97,7 @@ impl Fitted {
         if self.model.acceleration == 0.0 {
             arrow.hold_shared(self.model.shared_size() - 1);
         }
-        arrow
+        if self.model.shapes_are_real { arrow.along(directions(&self.model)) } else { arrow }
     }
 }
 
@@ -124,7 +127,7 @@ pub(crate) fn descend(from: Fitted, samples: &[f64], whitening: &Whitening, endi
                 }
                 continue;
             }
-            let next = Fitted::new(moved(&best.model, &step.0, &step.1), samples, whitening);
+            let next = Fitted::new(moved(&best.model, &step.0, &arrow.step_of_all_shared(&step.1)), samples, whitening);
             if next.energy < best.energy {
                 best = next;
                 damping = (damping * 0.1).max(LEAST_DAMPING);
@@ -182,6 +185,13 @@ fn moved(model: &Model, along: &DVector<f64>, shared: &DVector<f64>) -> Model {
                 .clamp(1e-4, std::f64::consts::PI - 1e-4),
         };
         let first = model.gain_column(mode);
+        if model.shapes_are_real && model.gains[mode].len() > 1 {
+            let step: Vec<Complex<f64>> = (0..model.gains[mode].len())
+                .map(|place| Complex::new(shared[first + 2 * place], shared[first + 2 * place + 1]))
+                .collect();
+            next.gains[mode] = stepped(&model.gains[mode], &step);
+            continue;
+        }
         for (place, gain) in next.gains[mode].iter_mut().enumerate() {
             let step = Complex::new(shared[first + 2 * place], shared[first + 2 * place + 1]);
             // All contacts may be late by one time; the gains then turn by large angles.
@@ -225,7 +235,7 @@ pub(crate) fn deviations(fitted: &Fitted, whitening: &Whitening) -> Option<Devia
     // A number that the sound does not determine gets a large deviation.
     let factor = arrow.factor(0.0).or_else(|| arrow.factor(UNTOLD))?;
     let variance = fitted.noise_rms().powi(2);
-    let shared = factor.shared_covariance() * variance;
+    let shared = arrow.of_all_shared(factor.shared_covariance()) * variance;
     let model = &fitted.model;
     let mut strikes: Vec<DMatrix<f64>> =
         factor.covariances(model.strike_size()).into_iter().map(|block| block * variance).collect();
@@ -290,8 +300,15 @@ mod tests {
             striker: 0,
         });
         let owners = vec![None; 3];
-        let mut model =
-            Model { poles, gains, owners, acceleration: 0.7, contact_times_are_held: false, strikes: strikes.to_vec() };
+        let mut model = Model {
+            poles,
+            gains,
+            owners,
+            acceleration: 0.7,
+            contact_times_are_held: false,
+            shapes_are_real: false,
+            strikes: strikes.to_vec(),
+        };
         if strikers > 1 {
             model.strikes[1].striker = 1;
             model.push(own, Complex::new(0.6, -0.8), Some(1));

@@ -7,6 +7,7 @@ use super::descend::{Ending, Fitted, descend};
 use super::error::StrikesError;
 use super::free::{FreeModes, Guard, free_modes};
 use super::layout::Layout;
+use super::model::Model;
 use super::passes::completed_fit;
 use super::spline::halved;
 use super::start::StartSearch;
@@ -30,7 +31,7 @@ pub(super) fn dry(
     (layout, search): (Layout, StartSearch),
     told: &dyn Fn(f64),
 ) -> Result<(Fitted, Whitening), StrikesError> {
-    let (free, all) = between_strikes(samples, rate_hz, from, settings, &|share| told(0.3 * share))?;
+    let (free, all) = between_strikes(samples, rate_hz, from, (settings, layout), &|share| told(0.3 * share))?;
     StrikesError::refuse_few_for(layout, all.len())?;
     let first = begun(samples, &free, &all, rate_hz, layout, search, &|share| told(0.3 + 0.3 * share))?;
     StrikesError::refuse_unexplained(&first.residual, samples, UNEXPLAINED_AT_FIRST)?;
@@ -39,7 +40,10 @@ pub(super) fn dry(
     };
     let (mut fitted, mut whitening) = completed(first, 0.6, 0.8)?;
     while let Some(finer) = with_finer_gains(&fitted, samples, &whitening) {
-        (fitted, whitening) = completed(finer, 0.8, 1.0)?;
+        (fitted, whitening) = completed(finer, 0.8, 0.9)?;
+    }
+    if let Some(complex) = with_complex_shapes(&fitted, samples, &whitening) {
+        (fitted, whitening) = completed(complex, 0.9, 1.0)?;
     }
     Ok((fitted, whitening))
 }
@@ -58,18 +62,33 @@ fn with_finer_gains(fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> 
     if model.strikes.len() < STRIKES_A_COEFFICIENT * model.places() {
         return None;
     }
-    let added = model.shared_size() - fitted.model.shared_size();
-    let finer = descend(Fitted::new(model, samples, whitening), samples, whitening, Ending::COMPLETION);
-    let least = MORE_THAN_CHANCE * added as f64 * fitted.noise_rms().powi(2);
-    (fitted.energy - finer.energy > least).then_some(finer)
+    if_told(model, fitted, samples, whitening)
 }
 
-/// Least ratio of what finer gains explain to what they explain by chance.
+/// The fit with gains whose phases differ along the object, if they explain clearly more than
+/// chance does: modes of a thing with strong damping in some places have such shapes.
+fn with_complex_shapes(fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> Option<Fitted> {
+    if !fitted.model.shapes_are_real || fitted.model.strikes.len() < STRIKES_A_COEFFICIENT * fitted.model.places() {
+        return None;
+    }
+    if_told(Model { shapes_are_real: false, ..fitted.model.clone() }, fitted, samples, whitening)
+}
+
+/// A fit that begins with a model of more numbers, if they explain clearly more than chance does.
+fn if_told(model: Model, fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> Option<Fitted> {
+    let added = model.shared_freedom() - fitted.model.shared_freedom();
+    let more = descend(Fitted::new(model, samples, whitening), samples, whitening, Ending::COMPLETION);
+    let least = MORE_THAN_CHANCE * added as f64 * fitted.noise_rms().powi(2);
+    (fitted.energy - more.energy > least).then_some(more)
+}
+
+/// Least ratio of what more numbers explain to what they explain by chance.
 const MORE_THAN_CHANCE: f64 = 2.0;
-/// Least number of strikes for each coefficient of finer gains: between fewer strikes they swing.
+/// Least number of strikes for each coefficient of gains with more numbers.
 ///
-/// With 13 coefficients for 25 strikes a replay left -24.2 dB of the recording, where
-/// `cargo test -p malleus --test play own_force::strikes_at_positions` asserts -25.
+/// Between fewer strikes gains swing: with 13 coefficients for 25 strikes a replay left -24.2 dB of
+/// the recording, where `cargo test -p malleus --test play own_force::strikes_at_positions` asserts
+/// -25.
 const STRIKES_A_COEFFICIENT: usize = 3;
 /// Least number of coefficients of a cubic spline.
 const CUBIC: usize = 4;
@@ -81,7 +100,7 @@ fn between_strikes(
     samples: &[f64],
     rate_hz: f64,
     (mut onsets, mut free): (Vec<usize>, FreeModes),
-    settings: Settings,
+    (settings, layout): (Settings, Layout),
     told: &dyn Fn(f64),
 ) -> Result<(FreeModes, Vec<usize>), StrikesError> {
     let rising = onsets.len();
@@ -93,11 +112,15 @@ fn between_strikes(
         StrikesError::refuse_too_many(changed.len(), samples.len() as f64 / rate_hz)?;
         let is_settled = changed.len() == onsets.len()
             && changed.iter().zip(&onsets).all(|(a, b)| (a.abs_diff(*b) as f64) < SETTLED_S * rate_hz);
+        // Modes that were found beside missed strikes may stay for good where not all strikes ring
+        // a mode alike.
+        let is_anew = layout != Layout::default() && changed.len() != onsets.len();
+        let known = if is_anew { &[] } else { &free.poles[..] };
         onsets = changed;
         if is_settled {
             break;
         }
-        let next = free_modes(samples, &onsets, Guard::OF_CHANGE, rate_hz, settings, &free.poles);
+        let next = free_modes(samples, &onsets, Guard::OF_CHANGE.of_layout(layout), rate_hz, settings, known);
         match next.filter(|next| !next.poles.is_empty()) {
             Some(next) => free = next,
             None if free.poles.is_empty() => return Err(StrikesError::NoModes),
@@ -111,11 +134,16 @@ fn between_strikes(
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Complex;
+
     use super::*;
+    use crate::multi_strike::real_shapes::nearest_real;
     use crate::multi_strike::spline::{Weights, nearest};
     use crate::multi_strike::synthetic::at_places;
     use crate::multi_strike::truth::model_of;
     use crate::multi_strike::whitening::ORDER;
+
+    type C64 = Complex<f64>;
 
     #[test]
     fn gains_are_refined_where_few_coefficients_leave_more_than_noise_and_only_there() {
@@ -136,5 +164,32 @@ mod tests {
         let finer = with_coefficients(4);
         assert!(finer.is_some_and(|(places, ratio)| places == 5 && ratio > 1.02), "{finer:?}");
         assert_eq!(with_coefficients(10), None);
+    }
+
+    #[test]
+    fn shapes_are_complex_where_the_phase_of_gains_turns_along_the_object() {
+        let sound = at_places(306, 20.0, 50);
+        let fitted = |turn: f64| {
+            let mut model = model_of(&sound);
+            let noise = Fitted::new(model.clone(), &sound.samples, &Whitening::none()).residual;
+            let whitening = Whitening::of_residual(&noise, ORDER);
+            for gains in model.gains.iter_mut().filter(|gains| gains.len() > 1) {
+                gains
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(place, gain)| *gain *= C64::new(0.0, turn * place as f64).exp());
+            }
+            let silent = vec![0.0; noise.len()];
+            let turned = Fitted::new(model.clone(), &silent, &Whitening::none()).residual;
+            let samples: Vec<f64> = noise.iter().zip(turned).map(|(noise, turned)| noise - turned).collect();
+            model.gains.iter_mut().for_each(|gains| *gains = nearest_real(gains));
+            let from = Fitted::new(model, &samples, &whitening);
+            let real = descend(from, &samples, &whitening, Ending::COMPLETION);
+            let complex = with_complex_shapes(&real, &samples, &whitening);
+            complex.map(|complex| (complex.model.shapes_are_real, real.energy / complex.energy))
+        };
+        assert_eq!(fitted(0.0), None);
+        let complex = fitted(0.05);
+        assert!(complex.is_some_and(|(are_real, ratio)| !are_real && ratio > 1.02), "{complex:?}");
     }
 }

@@ -45,10 +45,12 @@ mod passes;
 mod places;
 #[cfg(test)]
 mod random_strikes;
+mod real_shapes;
 mod reflections;
 mod ringing;
 mod rises;
 mod seriation;
+mod sought_anew;
 mod spline;
 mod start;
 mod strikers;

@@ -27,6 +27,13 @@ pub(crate) struct Strike {
     pub(crate) striker: usize,
 }
 
+impl Strike {
+    /// The strike at a time later by a number of samples.
+    pub(crate) fn later_by(self, samples: f64) -> Self {
+        Self { contact: Contact { middle: self.contact.middle + samples, ..self.contact }, ..self }
+    }
+}
+
 /// Modes, gains, acceleration sound and strikes of a recording; the unit of time is the sample.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Model {
@@ -42,6 +49,9 @@ pub(crate) struct Model {
     /// True if contact times are those heard of each strike alone ([`super::heard`]), and no fit
     /// changes them.
     pub(crate) contact_times_are_held: bool,
+    /// True if all gains of a mode along the object have one phase, or its opposite, and a fit
+    /// keeps them so ([`super::real_shapes`]).
+    pub(crate) shapes_are_real: bool,
     /// Strikes in order of the middles of their contacts.
     pub(crate) strikes: Vec<Strike>,
 }
@@ -92,6 +102,13 @@ impl Model {
     /// Number of parameters that all strikes share: poles, gains and acceleration.
     pub(crate) fn shared_size(&self) -> usize {
         2 * self.poles.len() + 2 * self.gains.iter().map(Vec::len).sum::<usize>() + 1
+    }
+
+    /// Number of shared parameters that change on their own: those of a real shape are its
+    /// coefficients and one phase.
+    pub(crate) fn shared_freedom(&self) -> usize {
+        let held = |gains: &Vec<C64>| if self.shapes_are_real { gains.len() - 1 } else { 0 };
+        self.shared_size() - self.gains.iter().map(held).sum::<usize>()
     }
 
     /// Index of the first gain of a mode among the shared parameters.
@@ -214,6 +231,7 @@ mod tests {
             owners: vec![None],
             acceleration: 0.0,
             contact_times_are_held: false,
+            shapes_are_real: false,
             strikes: vec![strike(100.0)],
         };
         model.push(Pole { decay: 1e-3, angular: 0.3 }, C64::new(2.0, 0.0), Some(1));

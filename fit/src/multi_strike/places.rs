@@ -354,6 +354,7 @@ impl Search<'_> {
             owners: owners.to_vec(),
             acceleration: 0.0,
             contact_times_are_held: false,
+            shapes_are_real: true,
             strikes: trials.iter().enumerate().map(strike).collect(),
         }
     }

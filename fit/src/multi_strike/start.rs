@@ -104,15 +104,24 @@ fn steady(changes: &[Change], poles: &[Pole]) -> Vec<Pole> {
     steady
 }
 
-/// Contact of a strike that a model lacks, near a sample, from what the model leaves.
+/// Strike that a model lacks, near a sample, from what the model leaves.
 ///
 /// `None` if the next strike follows too soon for the modes to be heard.
 pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, variance: f64) -> Option<Strike> {
     let next = model.strikes.iter().map(|strike| strike.contact.first_sample().max(0.0) as usize);
     let next = next.filter(|start| *start > at).min().unwrap_or(residual.len());
-    let stretches = stretches(&[at, next], Guard::OF_CHANGE, residual.len(), rate_hz);
-    let own = amplitudes(residual, &stretches[..1], &model.poles).pop().filter(|own| !own.is_empty())?;
-    let back = at as f64 - stretches[0].start as f64;
+    let found = sought(model, residual.get(at..next)?, rate_hz, variance)?;
+    Some(found.later_by(at as f64))
+}
+
+/// Strike that rings a model's modes as `heard` has it, from a moment near it until the next one.
+///
+/// Its middle counts from that moment. `None` if the next strike follows too soon for the modes to
+/// be heard.
+pub(crate) fn sought(model: &Model, heard: &[f64], rate_hz: f64, variance: f64) -> Option<Strike> {
+    let stretches = stretches(&[0, heard.len()], Guard::OF_CHANGE, heard.len(), rate_hz);
+    let own = amplitudes(heard, &stretches[..1], &model.poles).pop().filter(|own| !own.is_empty())?;
+    let back = -(stretches[0].start as f64);
     let (mut sums, mut variances) = (Vec::new(), Vec::new());
     for ((amplitude, pole), spread) in
         own.iter().zip(&model.poles).zip(spreads(&model.poles, stretches[0].len(), Told::Alone))
@@ -122,27 +131,44 @@ pub(crate) fn missing(model: &Model, residual: &[f64], at: usize, rate_hz: f64, 
         let noise = variance * spread * back.norm_sqr();
         variances.push(noise + (OWN_ERROR * amplitude.norm() * back.norm()).powi(2));
     }
-    let change = Change { at, amplitudes: sums, variances };
+    let change = Change { at: 0, amplitudes: sums, variances };
     let looked_at = Grid::new(exponents_of(&model.poles), rate_hz);
     let silent = vec![0.0; model.poles.len()];
     let count = if model.places() > 1 { PLACES } else { 1 };
     let strikers = model.strikes.iter().map(|strike| strike.striker).max().unwrap_or(0);
     let tried = (0..count).flat_map(|place| (0..=strikers).map(move |striker| (place, striker)));
+    let gains = |strike: &Strike| -> Vec<C64> {
+        let gain = |mode: usize| {
+            if model.rings(mode, strike) { model.gain(mode, strike.position) } else { C64::new(0.0, 0.0) }
+        };
+        (0..model.poles.len()).map(gain).collect()
+    };
     let of_place = |(place, striker): (usize, usize)| {
         let mut strike = Strike { contact: NOWHERE, position: place as f64 / (PLACES - 1) as f64, striker };
-        let gain = |mode: usize| {
-            if model.rings(mode, &strike) { model.gain(mode, strike.position) } else { C64::new(0.0, 0.0) }
-        };
-        let gains: Vec<C64> = (0..model.poles.len()).map(gain).collect();
-        let mut contact = looked_at.best(&change, &gains, &silent);
-        let (left, _) = looked_at.improve(&mut contact, &change, &gains);
-        strike.contact = Contact { middle: contact.middle + at as f64, ..contact };
+        let gains = gains(&strike);
+        strike.contact = looked_at.best(&change, &gains, &silent);
+        let (left, _) = looked_at.improve(&mut strike.contact, &change, &gains);
         (left, strike)
     };
     let found: Vec<(f64, Strike)> = tried.collect::<Vec<_>>().into_par_iter().map(of_place).collect();
-    found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, strike)| strike)
+    let (mut left, mut strike) = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mut reach = if count > 1 { 0.5 / (PLACES - 1) as f64 } else { 0.0 };
+    while reach > FINEST {
+        for position in [strike.position - reach, strike.position + reach] {
+            let mut next = Strike { position: position.clamp(0.0, 1.0), ..strike };
+            let gains = gains(&next);
+            let here = looked_at.improve(&mut next.contact, &change, &gains).0;
+            if here < left {
+                (left, strike) = (here, next);
+            }
+        }
+        reach *= 0.5;
+    }
+    Some(strike)
 }
 
+/// Least step of the position of a strike that is sought.
+const FINEST: f64 = 1e-3;
 /// Number of positions at which a missing strike is tried.
 const PLACES: usize = 13;
 /// Contact of a strike that is not yet looked for.
@@ -198,6 +224,7 @@ fn model_of(changes: &[Change], poles: &[Pole], contacts: &[Contact], gains: &[C
         owners: vec![None; poles.len()],
         acceleration: 0.0,
         contact_times_are_held: false,
+        shapes_are_real: false,
         strikes: strikes.collect(),
     };
     model.strikes.sort_by(|a, b| a.contact.middle.total_cmp(&b.contact.middle));

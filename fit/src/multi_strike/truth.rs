@@ -40,6 +40,7 @@ pub(crate) fn model_of(sound: &StruckOften) -> Model {
         owners: sound.modes.iter().map(|mode| mode.striker).collect(),
         acceleration: 0.0,
         contact_times_are_held: false,
+        shapes_are_real: true,
         strikes: sound.strikes.iter().map(strike).collect(),
     }
 }

@@ -48,6 +48,7 @@ mod tests {
             owners: vec![None; 4],
             acceleration: 0.0,
             contact_times_are_held: false,
+            shapes_are_real: false,
             strikes: vec![strike(48.0), strike(48.01)],
         };
         // The first zero of the half-sine's cosine, at 1/(2τ), is none: a pole cancels it.
