@@ -68,7 +68,8 @@ fn with_finer_gains(fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> 
 /// The fit with gains whose phases differ along the object, if they explain clearly more than
 /// chance does: modes of a thing with strong damping in some places have such shapes.
 fn with_complex_shapes(fitted: &Fitted, samples: &[f64], whitening: &Whitening) -> Option<Fitted> {
-    if !fitted.model.shapes_are_real || fitted.model.strikes.len() < STRIKES_A_COEFFICIENT * fitted.model.places() {
+    let (model, places) = (&fitted.model, fitted.model.places());
+    if !model.shapes_are_real || places < 2 || model.strikes.len() < STRIKES_A_COEFFICIENT * places {
         return None;
     }
     if_told(Model { shapes_are_real: false, ..fitted.model.clone() }, fitted, samples, whitening)

@@ -42,7 +42,8 @@ pub(super) fn completed_fit(
         let before = (fitted.model.poles.len(), fitted.model.strikes.len());
         whitening = Whitening::of_residual(&fitted.residual, ORDER);
         fitted = Fitted::new(fitted.model, samples, &whitening);
-        let start = fitted.clone();
+        // Strikes that are sought anew may end farther off than they were.
+        let start = (layout != Layout::default()).then(|| fitted.clone());
         fitted = with_strikes_anew(fitted, samples, &whitening, rate_hz, layout);
         fitted = with_strikers(fitted, samples, &whitening, rate_hz, layout);
         let are_modes_first = is_refused || stalled > 0 && layout.strikers > 1;
@@ -63,8 +64,7 @@ pub(super) fn completed_fit(
             fitted = pruned;
         }
         told((pass as f64 + 1.0) / COMPLETIONS as f64);
-        // Strikes that are sought anew may end farther off than they were; then modes are next.
-        if layout != Layout::default() && cost(&fitted, &start) > cost(&start, &start) {
+        if let Some(start) = start.filter(|start| cost(&fitted, start) > cost(start, start)) {
             fitted = start;
             if are_modes_first {
                 break;
