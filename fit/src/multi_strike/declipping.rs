@@ -158,7 +158,7 @@ impl Clipped {
             }
         }
         let few = Settings { most_modes: settings.most_modes.min(MORE_MODES), ..settings };
-        let Some(free) = free_modes_of(samples, (&stretches, Guard::OF_RISE.left_out), rate_hz, few, &[]) else {
+        let Some(free) = free_modes_of(samples, (&stretches, Guard::OF_RISE), rate_hz, few, &[]) else {
             return;
         };
         let amplitudes = amplitudes(samples, &stretches, &free.poles);

@@ -61,7 +61,11 @@ pub(crate) fn fit(
     let rising = onsets.len();
     let modes = |most: usize| {
         let few = Settings { most_modes: settings.most_modes.min(most), ..settings };
-        free_modes(samples, &onsets, Guard::OF_RISE.of_layout(layout), rate_hz, few, &[])
+        let modes = |guard: Guard| free_modes(samples, &onsets, guard, rate_hz, few, &[]);
+        let guard = Guard::OF_RISE.of_layout(layout);
+        let found = modes(guard)?;
+        let is_found = layout == Layout::default() || !found.poles.is_empty();
+        if is_found { Some(found) } else { modes(guard.with_short_stretches()) }
     };
     let mut free = modes(FIRST_MODES).ok_or(StrikesError::TooFew { found: onsets.len() })?;
     let is_coloured = |free: &FreeModes| free.variance > COLOURED * free.white_variance;

@@ -20,7 +20,9 @@ pub(crate) struct Guard {
     pub(crate) before_s: f64,
     /// Time behind the moment, contact time included.
     pub(crate) behind_s: f64,
-    pub(crate) left_out: LeftOut,
+    /// Maximum length in seconds of a stretch in which modes are searched for.
+    longest_s: f64,
+    left_out: LeftOut,
 }
 
 /// Numbers of stretches, those that tell most of a mode, that do not count for it.
@@ -49,13 +51,21 @@ fn left_out(most: usize, count: usize) -> usize {
 
 impl Guard {
     /// Guard about a rise in the ear's bands.
-    pub(crate) const OF_RISE: Self = Self { before_s: 0.010, behind_s: 0.014, left_out: LeftOut::AT_ONE_PLACE };
+    pub(crate) const OF_RISE: Self =
+        Self { before_s: 0.010, behind_s: 0.014, longest_s: LONGEST_S, left_out: LeftOut::AT_ONE_PLACE };
     /// Guard about a change of amplitudes.
-    pub(crate) const OF_CHANGE: Self = Self { before_s: 0.004, behind_s: 0.006, left_out: LeftOut::AT_ONE_PLACE };
+    pub(crate) const OF_CHANGE: Self =
+        Self { before_s: 0.004, behind_s: 0.006, longest_s: LONGEST_S, left_out: LeftOut::AT_ONE_PLACE };
 
     /// Guard of a recording of such a layout.
     pub(super) fn of_layout(self, layout: Layout) -> Self {
         if layout == Layout::default() { self } else { Self { left_out: LeftOut::AT_PLACES, ..self } }
+    }
+
+    /// Guard with short stretches, of which missed strikes spoil few: in longer ones no mode was
+    /// found in `cargo bench -p fit --bench strikes -- 1 321 places`.
+    pub(super) fn with_short_stretches(self) -> Self {
+        Self { longest_s: SHORT_S, ..self }
     }
 }
 
@@ -75,6 +85,8 @@ const MOST_LEFT_OUT: usize = 3;
 const SHORTEST_S: f64 = 0.015;
 /// Maximum length of a stretch in seconds in which modes are searched for.
 const LONGEST_S: f64 = 0.8;
+/// Maximum length of such a stretch in seconds where missed strikes spoil longer ones.
+const SHORT_S: f64 = 0.1;
 /// Maximum number of stretches in which modes are searched for, those of most energy.
 const MOST_STRETCHES: usize = 14;
 /// Maximum number of passes of search and refinement.
@@ -101,12 +113,12 @@ fn samples_in(seconds: f64, rate_hz: f64) -> usize {
     (seconds * rate_hz) as usize
 }
 
-/// The stretches of most energy, of each at most [`LONGEST_S`]; in order of time.
-fn loudest(samples: &[f64], stretches: &[Range<usize>], rate_hz: f64, most: usize) -> Vec<Range<usize>> {
+/// The stretches of most energy, of each at most `longest` samples; in order of time.
+fn loudest(samples: &[f64], stretches: &[Range<usize>], longest: usize, most: usize) -> Vec<Range<usize>> {
     let mut chosen: Vec<Range<usize>> = stretches
         .iter()
         .filter(|stretch| !stretch.is_empty())
-        .map(|stretch| stretch.start..stretch.end.min(stretch.start + samples_in(LONGEST_S, rate_hz)))
+        .map(|stretch| stretch.start..stretch.end.min(stretch.start + longest))
         .collect();
     let energy = |stretch: &Range<usize>| samples[stretch.clone()].iter().map(|x| x * x).sum::<f64>();
     chosen.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
@@ -129,18 +141,19 @@ pub(crate) fn free_modes(
     known: &[Pole],
 ) -> Option<FreeModes> {
     let stretches = stretches(onsets, guard, samples.len(), rate_hz);
-    free_modes_of(samples, (&stretches, guard.left_out), rate_hz, settings, known)
+    free_modes_of(samples, (&stretches, guard), rate_hz, settings, known)
 }
 
 /// Modes that ring in stretches, searched for from known ones on; `None` if all are empty.
 pub(super) fn free_modes_of(
     samples: &[f64],
-    (stretches, left_out): (&[Range<usize>], LeftOut),
+    (stretches, guard): (&[Range<usize>], Guard),
     rate_hz: f64,
     settings: Settings,
     known: &[Pole],
 ) -> Option<FreeModes> {
-    let chosen = loudest(samples, stretches, rate_hz, MOST_STRETCHES);
+    let Guard { longest_s, left_out, .. } = guard;
+    let chosen = loudest(samples, stretches, samples_in(longest_s, rate_hz), MOST_STRETCHES);
     let groups: Vec<Group<'_>> = chosen.iter().map(|stretch| Group::ringing(&samples[stretch.clone()])).collect();
     let length = chosen.iter().map(Range::len).max()?;
     let range = search_range(length, rate_hz, settings);
@@ -228,7 +241,7 @@ fn residuals(groups: &[Group<'_>], model: &Model) -> Vec<Vec<f64>> {
 /// its own; the most significant first.
 pub(crate) fn left_over(residual: &[f64], onsets: &[usize], rate_hz: f64, settings: Settings) -> Vec<Pole> {
     let stretches = stretches(onsets, Guard::OF_CHANGE, residual.len(), rate_hz);
-    let chosen = loudest(residual, &stretches, rate_hz, MOST_LEFT_OVER);
+    let chosen = loudest(residual, &stretches, samples_in(LONGEST_S, rate_hz), MOST_LEFT_OVER);
     let Some(length) = chosen.iter().map(Range::len).max() else { return Vec::new() };
     let residuals: Vec<Vec<f64>> = chosen.iter().map(|stretch| residual[stretch.clone()].to_vec()).collect();
     let noise = NoiseFloor::of_residual(&residuals.concat());
