@@ -21,7 +21,8 @@ pub(crate) struct Ending {
 impl Ending {
     /// Descent good enough to search the residual.
     pub(crate) const COARSE: Self = Self { steps: 14, gain: 3.0 };
-    /// Descent of a model with positions, which go far, good enough to search the residual.
+    /// Descent of a model with positions, which starts farther off than one without, good enough to
+    /// search the residual.
     pub(crate) const COARSE_AT_PLACES: Self = Self { steps: 28, ..Self::COARSE };
     /// Descent good enough to see which modes and strikes explain something.
     pub(crate) const COMPLETION: Self = Self { steps: 14, gain: 0.1 };

@@ -87,9 +87,9 @@ fn if_told(model: Model, fitted: &Fitted, samples: &[f64], whitening: &Whitening
 const MORE_THAN_CHANCE: f64 = 2.0;
 /// Least number of strikes for each coefficient of gains with more numbers.
 ///
-/// Between fewer strikes gains swing: with 13 coefficients for 25 strikes a replay left -24.2 dB of
-/// the recording, where `cargo test -p malleus --test play own_force::strikes_at_positions` asserts
-/// -25.
+/// Gains that fewer strikes tell are wrong between the places of those strikes. With 13
+/// coefficients for 25 strikes a replay left -24.2 dB of the recording; the test asserts -25
+/// (`cargo test -p malleus --test play own_force::strikes_at_positions`).
 const STRIKES_A_COEFFICIENT: usize = 3;
 /// Least number of coefficients of a cubic spline.
 const CUBIC: usize = 4;

@@ -81,8 +81,10 @@ pub(super) fn completed_fit(
     Ok((fitted, whitening))
 }
 
-/// The model with the gains of its modes from `known` on that leave least with all else held, if
-/// shapes are real: the phase of a real shape is not linear.
+/// The model with first gains of its new modes, from the index `known` on, if shapes are real.
+///
+/// A descent from gains near 0 does not find the phase of a real shape. So complex gains that leave
+/// least with all else held, a linear problem, are found first, and made real.
 fn with_shapes_of_new_modes(model: Model, known: usize, samples: &[f64], whitening: &Whitening) -> Model {
     if !model.shapes_are_real || model.poles.len() <= known {
         return model;
@@ -105,11 +107,12 @@ fn with_shapes_of_new_modes(model: Model, known: usize, samples: &[f64], whiteni
     model
 }
 
-/// Share by which the equations of gains grow: those of a place that few strikes tell stay small.
+/// Share by which the diagonal of the gains' equations grows, so that gains near which nothing is
+/// struck are told, too.
 const HAIR: f64 = 1e-6;
 
-/// Energy in units of the noise that a fit of reference leaves, with what each number has to
-/// explain: the Bayesian information criterion.
+/// Bayesian information criterion of a fit: its energy and ln N for each of its numbers, in units
+/// of the noise that `reference` leaves.
 fn cost(fitted: &Fitted, reference: &Fitted) -> f64 {
     let numbers = fitted.model.shared_freedom() + fitted.model.strike_size() * fitted.model.strikes.len();
     fitted.energy / reference.noise_rms().powi(2) + numbers as f64 * (fitted.residual.len() as f64).ln()

@@ -1,8 +1,10 @@
 //! Real shapes: all gains of a mode along the object have one phase, or its opposite.
 //!
-//! Modes of a thing whose damping is light have real shapes, and the way from the thing to the
-//! microphone turns each mode by one phase: the gains are `e^{jθ_k} φ_k(x)`. Without this, contacts
-//! that come later by D(x), with gains turned by `e^{sD(x)}`, ring alike.
+//! A lightly damped thing moves in one phase all along in each of its modes: mode k has a real
+//! shape φ_k(x). The way to the microphone adds one phase θ_k: the gains are `e^{jθ_k} φ_k(x)`.
+//!
+//! Gains with any phase at each position do not tell the times of contacts: a contact that comes
+//! later by a time D(x) and gains that are turned back by `e^{sD(x)}` give the same ringing.
 
 use nalgebra::{Complex, DMatrix};
 
@@ -22,9 +24,10 @@ pub(super) fn nearest_real(gains: &[C64]) -> Vec<C64> {
     gains.iter().map(|gain| phase * (gain * phase.conj()).re).collect()
 }
 
-/// Directions in which the shared parameters of a model with real shapes may change, a column each.
+/// Matrix from the free parameters of a model with real shapes to steps of all shared parameters.
 ///
-/// A mode has one for each coefficient of its shape and one for its phase.
+/// A mode with a shape has one free parameter for each coefficient and one for its phase, beside
+/// its decay and frequency.
 pub(super) fn directions(model: &Model) -> DMatrix<f64> {
     let size = model.shared_size();
     let mut directions = DMatrix::zeros(size, model.shared_freedom());

@@ -1,7 +1,7 @@
 //! Strikes sought anew in what a fit leaves without each of them.
 //!
-//! A descent ends in the nearest minimum. Of a strike by a soft striker at an unknown position, the
-//! contact time may lie in a wrong one.
+//! A descent ends in the minimum that is nearest to its start. A strike at an unknown position may
+//! start near a wrong one, with a wrong contact time.
 
 use rayon::prelude::*;
 
